@@ -4,46 +4,147 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
 #include <iterator>
 
 #include "core/failure.h"
 #include "core/text.h"
-#include "reports/explain/parts.h"
-#include "schemas/attempt/attempt.h"
+#include "reports/results/results.h"
 #include "schemas/common/product_files.h"
 #include "schemas/verdict/outcome.h"
 
 namespace runcert {
 namespace {
 
-/// A clause of this program's own, and who answers for it.
-std::string with_role(const Clause& own) {
-    return fmt::format("{} ({})", own.id, own.answered_by.role);
+std::string full_name(const RuleView& rule, std::string_view clause) {
+    return fmt::format("{}/{}", rule.verdict.profile, clause);
 }
 
-/// The clause of this program's own that the computation decides, or what a rule's is about.
-std::string clause_by(const std::string& computation) {
-    for (const Clause& own : own_clauses())
-        if (to_text(own.decided_by) == computation) return with_role(own);
-    return fmt::format("the rule's by `{}`", computation);
+std::string window_complete_words(const Profile& profile) {
+    return fmt::format(
+        "Every stretch of {}, {}, is looked at. Those that hold a break of the recording or an "
+        "epoch that screening left out are passed over. Met where {} the speed. No uncertainty "
+        "enters.",
+        window_words(profile),
+        profile.window_kind == WindowKind::course ? "from one line to the other"
+        : profile.ends == WindowEnds::any         ? "beginning and ending at any instant"
+                                                  : "beginning and ending at measured epochs",
+        profile.windows == 1 ? "one is left: the fastest gives"
+                             : fmt::format("{} that do not overlap are left: the fastest give",
+                                           counted(profile.windows, "stretch")));
 }
 
-std::string answered_in(const FieldOrigin& origin) {
-    std::vector<std::string> clauses;
-    for (const std::string& computation : origin.decides)
-        clauses.push_back(clause_by(computation));
-    for (const Clause& own : own_clauses())
-        if (own.id == origin.clause)
-            clauses.push_back((clauses.empty() ? "" : "else ") + with_role(own));
-    return fmt::format("{}", fmt::join(clauses, ", "));
+/// How a computation makes its figure and compares it.
+std::string how(const RuleView& rule, Computation computation) {
+    const Profile& profile = rule.profile;
+    if (computation == Computation::window_complete) return window_complete_words(profile);
+    if (computation == Computation::accuracy)
+        return fmt::format(
+            "The expanded uncertainty of the speed is {:.3g} times the combined standard "
+            "uncertainty of its budget. What choosing the fastest window may have left in the "
+            "speed is added. The factor is the rule's k = {:.3g}, or more where the budget has few "
+            "degrees of freedom. Met where it is at most the limit.",
+            rule.verdict.coverage_factor, profile.coverage_factor);
+    if (computation == Computation::margin)
+        return fmt::format(
+            "The required speed is {}; {}. From the speed and its standard uncertainty, the "
+            "record's own taken in where it has one, follows the probability that the true speed "
+            "reaches it. Met where that is at least {}: this is the decision itself, which "
+            "`decision` explains.",
+            margin_words(profile), rounding_words(profile),
+            level_text(profile.decision_probability));
+    std::string words(words_of(computation));
+    const ClauseLimit limit = limit_of(computation);
+    // Its own words say when it is met: below its limit nothing is refused.
+    if (!limit.units.empty() && computation != Computation::least_speed)
+        words += fmt::format(
+            " Met where it is {0} the limit with all of its expanded uncertainty, not met where it "
+            "is {1} the limit with all of it. In between the recording does not decide it, and an "
+            "official must attest it.",
+            limit.at_most ? "at most" : "at least", limit.at_most ? "above" : "below");
+    if (computation == Computation::opposite_runs && profile.opposite_runs_within_s)
+        words += fmt::format(" Met where both lie within {}.",
+                             number_text(*profile.opposite_runs_within_s, "s"));
+    return words;
 }
 
-/// What a rule averages over.
-std::string measures_words(const Profile& profile) {
-    if (profile.evidence) return "Evidence, asked under every other rule of the attempt.";
-    return fmt::format("Speed over {}{}.", window_words(profile),
-                       profile.windows == 1 ? "" : fmt::format(", mean of {}", profile.windows));
+std::string certainty_words(Certainty certainty, RuleOrigin origin) {
+    if (certainty == Certainty::secondary)
+        return "The rule text was unavailable; the wording is from a secondary source. Compare it "
+               "with the body's text before relying on it.";
+    if (certainty == Certainty::unconfirmed)
+        return "It could not be confirmed that the rule has this clause, or that it says so: ask "
+               "the body.";
+    return origin == RuleOrigin::own
+               ? "The attempt's own rule says so; nobody checked whether a body's does."
+               : "These are the rule's own words, or this program's own rule.";
+}
+
+/// The figures of a profile, as an attempt names them, on which a clause hangs.
+std::vector<std::string> figures_behind(const Requirement& requirement) {
+    switch (requirement.decided_by) {
+        case Computation::window_complete:
+            return {"window.duration_s", "window.distance_m"};
+        case Computation::accuracy:
+            return {"accuracy.limit", "accuracy.coverage_factor"};
+        case Computation::margin:
+            return {"margin.value", "decision.probability"};
+        case Computation::opposite_runs:
+            return {"opposite_runs.within_s"};
+        default:
+            return {fmt::format("clauses.{}.limit", requirement.clause)};
+    }
+}
+
+/// What the computation compared with, "1 m"; empty where it takes no limit.
+std::string limit_words(const Profile& profile, const Requirement& requirement) {
+    if (requirement.decided_by == Computation::accuracy && profile.accuracy_limit_m_s)
+        return number_text(*profile.accuracy_limit_m_s / metres_per_second(profile.accuracy_unit),
+                           profile.accuracy_unit);
+    const auto clause = std::ranges::find(profile.clauses, requirement.clause, &Clause::id);
+    return clause != profile.clauses.end() && clause->limit
+               ? number_text(*clause->limit, clause->unit)
+               : "";
+}
+
+/// Who answered for a clause, and what.
+std::vector<std::string> answers_for(const std::string& name, const ExplainOptions& options) {
+    const auto found = options.answers.find(name);
+    return found == options.answers.end() ? std::vector<std::string>() : found->second;
+}
+
+/// A clause in full: text, source, computation, figures, limit, outcome.
+Section clause_section(const RuleView& rule, const Requirement& requirement,
+                       const ExplainOptions& options) {
+    const Computation computation = requirement.decided_by;
+    const std::string name = full_name(rule, requirement.clause);
+    const bool attest = requirement.status == RequirementStatus::attest;
+    Block told = facts(
+        {{"The rule", requirement.text},
+         {"Its source", fmt::format("{} {}", sentence(source_text(requirement)),
+                                    certainty_words(requirement.certainty, rule.profile.origin))},
+         {"Decided by",
+          computation == Computation::attest
+              ? std::string(words_of(computation))
+              : fmt::format("{}. {}", to_text(computation), how(rule, computation))}});
+    for (const Figure& figure : requirement.figures)
+        add_fact(told, "Figure", sentence(figure_text(figure)));
+    add_fact(told, "Limit", limit_words(rule.profile, requirement));
+    for (std::string& words : override_words(rule.verdict, figures_behind(requirement)))
+        add_fact(told, "Replaced", std::move(words));
+    add_fact(
+        told, "Outcome",
+        fmt::format("{}. {}", attest ? "To be attested" : capitalised(words_of(requirement.status)),
+                    sentence(requirement.evidence)));
+    if (attest) add_fact(told, "To do", std::string(phrase_of(computation)));
+    if (requirement.answered_by)
+        add_fact(told, "Answered by",
+                 fmt::format("{} in the role {}", requirement.answered_by->count,
+                             requirement.answered_by->role));
+    for (std::string& answer : answers_for(name, options))
+        add_fact(told, "Answer", std::move(answer));
+    return {.anchor = name,
+            .title = fmt::format("{}: {}", name, upper_case(words_of(requirement.status))),
+            .blocks = {std::move(told)}};
 }
 
 std::vector<RuleView> views_of(const Attempt& attempt, const Verdict& verdict,
@@ -71,16 +172,6 @@ std::vector<RuleView> views_of(const Attempt& attempt, const Verdict& verdict,
     return views;
 }
 
-ClauseView clause_view(const RuleView& view, const ExplainOptions& options,
-                       const Requirement& requirement) {
-    const auto clause = std::ranges::find(view.profile.clauses, requirement.clause, &Clause::id);
-    return {view, options, requirement, clause == view.profile.clauses.end() ? nullptr : &*clause};
-}
-
-std::string full_name(const RuleView& view, std::string_view clause) {
-    return fmt::format("{}/{}", view.verdict.profile, clause);
-}
-
 [[noreturn]] void refuse_clause(const std::vector<RuleView>& views, const std::string& clause) {
     std::vector<std::string> known{"outcome", "decision"};
     for (const RuleView& view : views)
@@ -97,12 +188,6 @@ std::string full_name(const RuleView& view, std::string_view clause) {
                               fmt::join(known, ", ")));
 }
 
-bool is_decision(const RuleView& view, const std::string& name) {
-    return std::ranges::any_of(
-        std::array<std::string_view, 2>{"outcome", "decision"},
-        [&](std::string_view word) { return name == word || name == full_name(view, word); });
-}
-
 /// How a rule was decided: in short with each of its clauses, or in full.
 Section decision_section(const RuleView& view, const ExplainOptions& options, bool in_short) {
     const ProfileVerdict& verdict = view.verdict;
@@ -114,54 +199,30 @@ Section decision_section(const RuleView& view, const ExplainOptions& options, bo
     add(section, refused_blocks(view));
     if (!in_short) return section;
     Block clauses = requirement_rows(verdict, Level::annex);
-    for (std::size_t i = 0; i < clauses.rows.size(); ++i)
-        std::ranges::move(clause_view(view, options, verdict.requirements[i]).answers(),
-                          std::back_inserter(clauses.rows[i].further));
+    for (TableRow& row : clauses.rows)
+        std::ranges::move(answers_for(full_name(view, row.clause), options),
+                          std::back_inserter(row.further));
     add(section, std::move(clauses));
     return section;
 }
 
 std::vector<Section> one_clause(const std::vector<RuleView>& views, const ExplainOptions& options) {
-    const std::string& name = options.clause;
     std::vector<Section> sections;
     for (const RuleView& view : views) {
-        if (is_decision(view, name)) sections.push_back(decision_section(view, options, false));
+        const auto is_asked = [&](const std::string& name) {
+            return options.clause == name || options.clause == full_name(view, name);
+        };
+        if (is_asked("outcome") || is_asked("decision"))
+            sections.push_back(decision_section(view, options, false));
         for (const Requirement& requirement : view.verdict.requirements)
-            if (requirement.clause == name || full_name(view, requirement.clause) == name)
-                sections.push_back(clause_section(clause_view(view, options, requirement)));
+            if (is_asked(requirement.clause))
+                sections.push_back(clause_section(view, requirement, options));
     }
-    if (sections.empty()) refuse_clause(views, name);
+    if (sections.empty()) refuse_clause(views, options.clause);
     return sections;
 }
 
-/// How to read on.
-Section further_section(const RuleView& first) {
-    const auto& requirements = first.verdict.requirements;
-    return {.anchor = "further",
-            .title = "In full",
-            .blocks = {
-                facts({{"One clause", fmt::format("runcert explain RUN_DIR {}",
-                                                  requirements.empty()
-                                                      ? "CLAUSE"
-                                                      : shell_word(plain_text(full_name(
-                                                            first, requirements.front().clause))))},
-                       {"The decision", "runcert explain RUN_DIR decision"}})}};
-}
-
 }  // namespace
-
-std::string inputs_table_text() {
-    std::string text =
-        "| input | origin | can change | answered for in (by) |\n|---|---|---|---|\n";
-    for (const FieldRule& rule : attempt_schema().fields()) {
-        if (!rule.origin || rule.origin->changes.empty()) continue;
-        std::string origin = rule.origin->origin;
-        std::ranges::replace(origin, '_', ' ');
-        text += fmt::format("| `{}` | {} | {} | {} |\n", rule.path, origin,
-                            fmt::join(rule.origin->changes, ", "), answered_in(*rule.origin));
-    }
-    return text;
-}
 
 Document explained(const Attempt& attempt, const Verdict& verdict,
                    const std::vector<Profile>& profiles, const ExplainOptions& options) {
@@ -176,45 +237,18 @@ Document explained(const Attempt& attempt, const Verdict& verdict,
     if (Block told = origin_facts(verdict.origins); !told.facts.empty())
         document.sections.push_back(
             {.anchor = "origins", .title = "Who says what", .blocks = {std::move(told)}});
-    document.sections.push_back(further_section(views.front()));
+    const RuleView& first = views.front();
+    const auto& requirements = first.verdict.requirements;
+    const std::string clause =
+        requirements.empty()
+            ? "CLAUSE"
+            : shell_word(plain_text(full_name(first, requirements.front().clause)));
+    document.sections.push_back(
+        {.anchor = "further",
+         .title = "In full",
+         .blocks = {facts({{"One clause", "runcert explain RUN_DIR " + clause},
+                           {"The decision", "runcert explain RUN_DIR decision"}})}});
     return document;
-}
-
-Document profiles_document(const std::vector<Profile>& profiles) {
-    Block rules = table({"", ""});
-    for (const Profile& profile : profiles) {
-        TableRow& row = add_row(rules, {profile.id, sentence(profile.title)});
-        row.further = {sentence(profile.body), measures_words(profile)};
-        const auto add_line = [&](std::string_view what, const std::string& value) {
-            if (!value.empty()) row.further.push_back(fmt::format("{} {}.", what, value));
-        };
-        add_line("Texts looked at until", profile.looked_at);
-        add_line("For runs from", profile.valid_from);
-        add_line("Superseded by", profile.superseded_by);
-    }
-    return {.title = "Rules that come with the program",
-            .sections = {{.anchor = "rules", .blocks = {std::move(rules)}}}};
-}
-
-std::string citations_text(const std::vector<Profile>& profiles) {
-    std::string text =
-        "| rule | clause | source | edition | where | certainty | decided by |\n"
-        "|---|---|---|---|---|---|---|\n";
-    const auto add = [&](std::string_view rule, const Clause& clause) {
-        text += fmt::format("| {} | {} | {} | {} | {} | {} | {} |\n", rule, clause.id,
-                            clause.source, clause.edition, clause.where, to_text(clause.certainty),
-                            to_text(clause.decided_by));
-    };
-    for (const Profile& profile : profiles) {
-        for (const Clause& clause : profile.clauses)
-            add(profile.id, clause);
-        for (const RuleQuestion& question : profile.questions)
-            text += fmt::format("| {} | {} | {} | | | not known | question for the body |\n",
-                                profile.id, question.id, question.source);
-    }
-    for (const Clause& own : own_clauses())
-        add("every rule", own);
-    return text;
 }
 
 }  // namespace runcert

@@ -23,12 +23,9 @@ using namespace runcert;
 namespace {
 
 struct Options {
-    std::string run_dir;
+    std::string run_dir, roster;
     ExplainOptions what;
-    std::string roster;
-    bool profiles = false;
-    bool clauses = false;
-    bool inputs = false;
+    bool profiles = false, clauses = false, inputs = false;
 };
 
 /// Hashes what report and verdict were made from, and is in the run folder. The names of what is
@@ -55,38 +52,36 @@ std::vector<std::string> check_inputs(StageRun& run, const Verdict& verdict) {
 
 /// Adds what was answered since the verdict was made, and where each rule stands by it. Returns
 /// whether second files count.
-bool add_answers(Verdict& verdict, const Options& options, ExplainOptions& what) {
+bool add_answers(Verdict& verdict, Options& options) {
     if (options.roster.empty() && envelope_files(options.run_dir).empty()) return false;
     const RunStanding standing = stated_standing(
         options.run_dir, read_report_facts(options.run_dir), read_roster(options.roster));
     if (standing.with_files) verdict.profiles = verdict.with_files;
     for (const RuleStanding& rule : standing.rules) {
-        what.vouched_by = rule.state.vouched_by;
+        options.what.vouched_by = rule.state.vouched_by;
         for (ProfileVerdict& profile : verdict.profiles)
             if (profile.profile == rule.profile) profile.standing = rule.state.standing;
         for (const ClauseStanding& clause : rule.clauses)
-            what.answers[rule.profile + "/" + clause.due.clause] = clause_words(clause);
+            options.what.answers[rule.profile + "/" + clause.due.clause] = clause_words(clause);
     }
     return standing.with_files;
 }
 
-std::string explain_run(const Options& options) {
-    const std::filesystem::path run_dir(options.run_dir);
-    StageRun run = open_run("explain", run_dir);
+std::string explain_run(Options& options) {
+    StageRun run = open_run("explain", options.run_dir);
     run.note_attempt();
     Verdict verdict = run.read(products::verdict, read_verdict);
-    const std::vector<Profile> profiles = read_claimed_rules(run_dir, run.attempt());
+    const std::vector<Profile> profiles = read_claimed_rules(options.run_dir, run.attempt());
     for (const std::string& claimed : run.attempt().profiles)
         run.note_file("profile", profile_copy_name(claimed));
     const std::vector<std::string> missing = check_inputs(run, verdict);
-    ExplainOptions what = options.what;
-    const bool with_files = add_answers(verdict, options, what);
+    const bool with_files = add_answers(verdict, options);
+    Windows& windows = options.what.windows;
     const Receiver& judged = run.attempt().receivers.front();
-    if (std::filesystem::exists(run_dir / run.file_of(products::windows, judged)))
-        what.windows = run.read(products::windows, judged, read_windows);
-    if (with_files && !what.windows.with_files.empty())
-        what.windows.profiles = what.windows.with_files;
-    Document document = explained(run.attempt(), verdict, profiles, what);
+    if (std::filesystem::exists(run.run_dir() / run.file_of(products::windows, judged)))
+        windows = run.read(products::windows, judged, read_windows);
+    if (with_files && !windows.with_files.empty()) windows.profiles = windows.with_files;
+    Document document = explained(run.attempt(), verdict, profiles, options.what);
     if (!missing.empty())
         document.sections.push_back(
             {.anchor = "missing",
@@ -124,13 +119,12 @@ int main(int argc, char** argv) {
             line.text("--roster", options.roster, "whose answers and signatures count");
             line.flag("--profiles", options.profiles,
                       "list the profiles that come with the program");
-            line.exclude("--profiles", "RUN_DIR");
             line.flag("--clauses", options.clauses,
                       "with --profiles: a table of their clauses, and where each is known from");
-            line.exclude("--clauses", "RUN_DIR");
             line.flag("--inputs", options.inputs,
                       "list who says what of an attempt, and who answers for it");
-            line.exclude("--inputs", "RUN_DIR");
+            for (const char* without_run : {"--profiles", "--clauses", "--inputs"})
+                line.exclude(without_run, "RUN_DIR");
         },
         [&]() -> int {
             if (options.clauses && !options.profiles)

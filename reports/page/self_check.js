@@ -20,13 +20,6 @@ const standingNote = ({ roster_sha256: roster }) => "Its standing, and who answe
   "computed when the page was made, " + (roster ? `with the roster of keys whose SHA-256 is ${roster}` : "without a roster of keys") +
   ". Only runcert verify with a roster of your own says whether they hold.";
 
-/** JSON in which every number stays the text that it was written as: "1.0" is shown as 1.0. */
-function parseWithNumbersAsWritten(json) {
-  const stringOrNumber = /"(?:[^"\\]|\\.)*"|-?\d+(?:\.\d+)?(?:[eE][+-]?\d+)?/g;
-  return JSON.parse(json.replace(stringOrNumber,
-    (token) => token.startsWith("\"") ? token : `"${token}"`));
-}
-
 /**
  * A text without what has no place in a page: control characters, what is not seen or turns the
  * direction of writing, and what is no character. As plain_text of the program, whose Unicode is 15.1.
@@ -42,11 +35,13 @@ function embeddedText(id) {
   return found[0].textContent;
 }
 
-/** What stands in a part of the page, read as JSON. */
+/** What stands in a part of the page, read as JSON; numbers as the text that they were written as: "1.0". */
 function embeddedPart(id) {
+  const stringOrNumber = /"(?:[^"\\]|\\.)*"|-?\d+(?:\.\d+)?(?:[eE][+-]?\d+)?/g;
+  const quoted = (token) => token.startsWith("\"") ? token : `"${token}"`;
   const text = embeddedText(id);
   try {
-    return parseWithNumbersAsWritten(text);
+    return JSON.parse(text.replace(stringOrNumber, quoted));
   } catch (error) {
     throw new PageFault(`the part “${id}” of this page is not JSON: it was changed`);
   }
@@ -73,39 +68,36 @@ async function findingsOfPage() {
   const { json, predicate } = embeddedReport();
   const signatureFiles = embeddedPart("signature-files");
   const standing = embeddedPart("standing");
-  const faults = otherParts(predicate);
+  const answered = standing.slots !== undefined;
   const canVerify = await browserKnowsEd25519();
   const identity = { report: predicate.report_id, attempt: predicate.attempt.id };
   const signatures = canVerify
     ? await Promise.all(signatureFiles.map((file) => checkSignature(file, utf8Bytes(json), identity)))
     : [];
-  for (const { file, state, words } of signatures)
-    if (state === "invalid") faults.push(`${file}: ${words}`);
-  const notes = signatures.filter(({ state }) => state === "unchecked")
-    .map(({ file, words }) => `${file}: ${words}`);
-  if (standing.slots !== undefined) notes.push(standingNote(standing));
+  const all = (wanted) => signatures.filter(({ state }) => state === wanted);
+  const words = (wanted) => all(wanted).map((one) => `${one.file}: ${one.words}`);
+  const faults = [...otherParts(predicate), ...words("invalid")];
+  const notes = words("unchecked");
+  if (answered) notes.push(standingNote(standing));
   if (!canVerify && signatureFiles.length > 0)
     notes.push("This browser cannot verify Ed25519 signatures (WebCrypto). Open the page in a newer " +
       "one, or use runcert verify.");
-  const valid = signatures.filter(({ state }) => state === "valid");
+  const valid = all("valid");
   const state = faults.length > 0 ? "tampered" : signatureFiles.length === 0 ? "unsigned"
     : valid.length > 0 ? "valid" : "unchecked";
-  return { state, faults, notes, valid, answered: standing.slots !== undefined };
+  return { state, faults, notes, valid, answered };
 }
 
-function listFacts(facts) {
-  return makeElement("dl", "", ...facts.map(([name, value]) => makeElement("div", "",
-    makeElement("dt", "", name), makeElement("dd", "", makeElement("bdi", "", withoutControls(value))))));
-}
+/** Names and what they are, those left out that are nothing. */
+const listFacts = (facts) => makeElement("dl", "", ...facts.filter(([, value]) => value).map(([name, value]) =>
+  makeElement("div", "", makeElement("dt", "", name),
+    makeElement("dd", "", makeElement("bdi", "", withoutControls(value))))));
 
-function describeSigner({ role, time, keyId, fingerprint, publicKey, file }) {
-  const more = [["Public key", publicKey], ["Signature file", file]];
-  if (keyId) more.unshift(["Key id", keyId]);
-  return makeElement("div", "check-signer",
-    listFacts([["Role", role || "not stated"], ["Time, as the signer states it", time || "not stated"],
-      ["Fingerprint of the key", fingerprint]]),
-    makeElement("details", "", makeElement("summary", "", "The key, to compare it"), listFacts(more)));
-}
+const describeSigner = ({ role, time, keyId, fingerprint, publicKey, file }) => makeElement("div", "check-signer",
+  listFacts([["Role", role || "not stated"], ["Time, as the signer states it", time || "not stated"],
+    ["Fingerprint of the key", fingerprint]]),
+  makeElement("details", "", makeElement("summary", "", "The key, to compare it"),
+    listFacts([["Key id", keyId], ["Public key", publicKey], ["Signature file", file]])));
 
 function showFindings({ state, faults, notes, valid, answered }) {
   const { mark, title: plain } = checkStates[state];

@@ -4,17 +4,12 @@
 /** What a signature file cannot be, in words for the reader. */
 class PageFault extends Error {}
 
-/** Joins byte arrays. */
-function joinBytes(...parts) {
-  const joined = new Uint8Array(parts.reduce((length, part) => length + part.length, 0));
-  let at = 0;
-  for (const part of parts) {
-    joined.set(part, at);
-    at += part.length;
-  }
-  return joined;
+/** PageFault where a condition does not hold. */
+function demand(holds, words) {
+  if (!holds) throw new PageFault(words);
 }
 
+const joinBytes = (...parts) => Uint8Array.from(parts.flatMap((part) => Array.from(part)));
 const utf8Bytes = (text) => new TextEncoder().encode(text);
 const asciiText = (bytes) => String.fromCharCode(...bytes);
 const base64Of = (bytes) => btoa(asciiText(bytes));
@@ -25,47 +20,29 @@ function bytesOfBase64(text, what) {
   let binary = "";
   try {
     binary = atob(text);
-  } catch (error) {
-    binary = "";
-  }
-  if (binary === "" || btoa(binary) !== text) throw new PageFault(`its ${what} is not base64`);
+  } catch (error) { /* it stays empty */ }
+  demand(binary !== "" && btoa(binary) === text, `its ${what} is not base64`);
   return Uint8Array.from(binary, (letter) => letter.charCodeAt(0));
 }
 
 /** An SSH string (RFC 4251 section 5): its length in 4 bytes, then the bytes. */
-function sshString(bytes) {
-  const length = new Uint8Array(4);
-  new DataView(length.buffer).setUint32(0, bytes.length);
-  return joinBytes(length, bytes);
-}
+const sshString = (bytes) =>
+  joinBytes([24, 16, 8, 0].map((shift) => (bytes.length >>> shift) & 255), bytes);
 
-/** Takes one SSH string after another off some bytes. */
-class SshReader {
-  constructor(bytes) {
-    this.bytes = bytes;
-    this.at = 0;
-  }
-  take(count) {
-    if (this.at + count > this.bytes.length) throw new PageFault("it ends too early");
-    this.at += count;
-    return this.bytes.subarray(this.at - count, this.at);
-  }
-  number() {
-    const four = this.take(4);
-    return new DataView(four.buffer, four.byteOffset, 4).getUint32(0);
-  }
-  string() {
-    return this.take(this.number());
-  }
+/** Takes bytes, numbers of 4 bytes and SSH strings off some bytes, one after another. */
+function sshReader(bytes) {
+  let at = 0;
+  const take = (count) => {
+    demand(at + count <= bytes.length, "it ends too early");
+    at += count;
+    return bytes.subarray(at - count, at);
+  };
+  const number = () => take(4).reduce((sum, byte) => sum * 256 + byte, 0);
+  return { take, number, string: () => take(number()) };
 }
 
 /** `SHA256:...` of a public key's SSH blob, as `ssh-keygen -l` prints it. */
-function sshFingerprint(blob) {
-  return "SHA256:" + base64Of(nobleHashes.sha256(blob)).replace(/=+$/, "");
-}
-
-/** The SSH blob of the 32 bytes of an Ed25519 public key. */
-const ed25519Blob = (key) => joinBytes(sshString(utf8Bytes("ssh-ed25519")), sshString(key));
+const sshFingerprint = (blob) => "SHA256:" + base64Of(nobleHashes.sha256(blob)).replace(/=+$/, "");
 
 /** A minisign key id as people write it: most significant byte first. */
 const keyIdText = (id) => hexOf(Uint8Array.from(id).reverse()).toUpperCase();
@@ -82,7 +59,7 @@ function commentFields(comment) {
     const equals = word.indexOf("=");
     if (equals <= 0) continue;
     const name = word.slice(0, equals);
-    if (name in fields) throw new PageFault(`its trusted comment states “${name}=” twice`);
+    demand(!(name in fields), `its trusted comment states “${name}=” twice`);
     fields[name] = word.slice(equals + 1);
   }
   return fields;
@@ -92,13 +69,11 @@ function commentFields(comment) {
 function readMinisign(text) {
   const lines = text.split("\n").map((line) => line.replace(/\r$/, ""));
   while (lines.length > 0 && lines[lines.length - 1] === "") lines.pop();
-  if (lines.length !== 4 || !lines[0].startsWith("untrusted comment: ") ||
-      !lines[2].startsWith("trusted comment: "))
-    throw new PageFault("it is not a signature file of minisign");
+  demand(lines.length === 4 && lines[0].startsWith("untrusted comment: ") &&
+    lines[2].startsWith("trusted comment: "), "it is not a signature file of minisign");
   const bytes = bytesOfBase64(lines[1], "second line");
   const global = bytesOfBase64(lines[3], "last line");
-  if (bytes.length !== 74 || global.length !== 64)
-    throw new PageFault("its signature has not the right length");
+  demand(bytes.length === 74 && global.length === 64, "its signature has not the right length");
   const comment = lines[2].slice("trusted comment: ".length);
   return {
     algorithm: asciiText(bytes.subarray(0, 2)),
@@ -114,28 +89,24 @@ function readMinisign(text) {
 function readSshSignature(text) {
   const armour = /^-----BEGIN SSH SIGNATURE-----\r?\n([A-Za-z0-9+/=\r\n]+)-----END SSH SIGNATURE-----\s*$/;
   const match = armour.exec(text);
-  if (!match) throw new PageFault("it is not a signature of ssh-keygen");
-  const reader = new SshReader(bytesOfBase64(match[1].replace(/[\r\n]/g, ""), "text"));
-  if (asciiText(reader.take(6)) !== "SSHSIG" || reader.number() !== 1)
-    throw new PageFault("it is not a signature of ssh-keygen in the form that this page knows");
+  demand(match, "it is not a signature of ssh-keygen");
+  const reader = sshReader(bytesOfBase64(match[1].replace(/[\r\n]/g, ""), "text"));
+  demand(asciiText(reader.take(6)) === "SSHSIG" && reader.number() === 1,
+    "it is not a signature of ssh-keygen in the form that this page knows");
   const blob = reader.string();
   const namespace = asciiText(reader.string());
   const reserved = reader.string();
   const hash = asciiText(reader.string());
-  const signature = new SshReader(reader.string());
-  const key = new SshReader(blob);
+  const signature = sshReader(reader.string());
+  const key = sshReader(blob);
   const type = asciiText(key.string());
-  const role = /^([A-Za-z0-9_-]+)@runcert$/.exec(namespace);
   return {
     blob, namespace, reserved, hash, type,
-    role: role ? role[1] : "",
     key: type === "ssh-ed25519" ? key.string() : null,
     signatureType: asciiText(signature.string()),
     signature: signature.string(),
   };
 }
-
-const isSshSignature = (text) => text.startsWith("-----BEGIN SSH SIGNATURE-----");
 
 /** Whether a signature holds; a key that is none makes it not hold. */
 async function ed25519Holds(key, signature, message) {
@@ -157,73 +128,58 @@ async function browserKnowsEd25519() {
   return ed25519Holds(key, signature, new Uint8Array(0));
 }
 
-/** What is known of one signature: state is "valid", "invalid" or "unchecked", words says why. */
-function signatureFinding(file, state, words, more = {}) {
-  return { file, state, words, role: "", time: "", keyId: "", fingerprint: "", publicKey: "", ...more };
-}
+const notHeld = "the signature of report.json does not hold: the report or the signature was changed";
 
-async function checkMinisign(file, text, reportBytes, identity) {
+/** Who signed; or, with `words`, why that cannot be checked. PageFault where it does not hold. */
+async function minisignSigner(file, text, reportBytes, identity) {
   const read = readMinisign(text);
-  const { report, attempt, role = "", key: line, signed: time = "" } = read.fields;
-  const invalid = (words) => signatureFinding(file, "invalid", words, { role, keyId: read.keyId });
-  if (read.algorithm !== "ED") return invalid("it is not of minisign’s prehashed form");
+  const { report, attempt, role, key: line, signed: time } = read.fields;
+  demand(read.algorithm === "ED", "it is not of minisign’s prehashed form");
   if (line === undefined)
-    return signatureFinding(file, "unchecked", "It was made by another program and names no key: " +
-      `check it with minisign -Vm report.json -x ${file} -p KEY.pub.`, { keyId: read.keyId });
-  const keyBytes = bytesOfBase64(line, "key");
-  if (keyBytes.length !== 42 || asciiText(keyBytes.subarray(0, 2)) !== "Ed")
-    return invalid("the key that it names is not a minisign key");
-  if (keyIdText(keyBytes.subarray(2, 10)) !== read.keyId)
-    return invalid("it names another key than it was made with");
-  const key = keyBytes.subarray(10);
-  const digest = nobleHashes.blake2b(reportBytes, { dkLen: 64 });
-  if (report !== identity.report || attempt !== identity.attempt)
-    return invalid(`it is a signature of another report (report ${report}, attempt ${attempt})`);
-  if (!await ed25519Holds(key, read.signature, digest))
-    return invalid("the signature of report.json does not hold: the report or the signature was changed");
-  if (!await ed25519Holds(key, read.global, joinBytes(read.signature, utf8Bytes(read.comment))))
-    return invalid("its trusted comment (role, time, key) was changed");
-  const blob = ed25519Blob(key);
-  return signatureFinding(file, "valid", "", {
-    role, time, keyId: read.keyId, fingerprint: sshFingerprint(blob), publicKey: line,
-  });
+    return { words: "It was made by another program and names no key: " +
+      `check it with minisign -Vm report.json -x ${file} -p KEY.pub.` };
+  const named = bytesOfBase64(line, "key");
+  demand(named.length === 42 && asciiText(named.subarray(0, 2)) === "Ed",
+    "the key that it names is not a minisign key");
+  demand(keyIdText(named.subarray(2, 10)) === read.keyId, "it names another key than it was made with");
+  const key = named.subarray(10);
+  demand(report === identity.report && attempt === identity.attempt,
+    `it is a signature of another report (report ${report}, attempt ${attempt})`);
+  demand(await ed25519Holds(key, read.signature, nobleHashes.blake2b(reportBytes, { dkLen: 64 })), notHeld);
+  demand(await ed25519Holds(key, read.global, joinBytes(read.signature, utf8Bytes(read.comment))),
+    "its trusted comment (role, time, key) was changed");
+  const blob = joinBytes(sshString(utf8Bytes("ssh-ed25519")), sshString(key));
+  return { role, time, keyId: read.keyId, fingerprint: sshFingerprint(blob), publicKey: line };
 }
 
-async function checkSshSignature(file, text, reportBytes) {
+async function sshSigner(text, reportBytes) {
   const read = readSshSignature(text);
-  const about = {
-    role: read.role,
-    fingerprint: sshFingerprint(read.blob),
-    publicKey: `${read.type} ${base64Of(read.blob)}`,
-  };
-  if (read.role === "")
-    return signatureFinding(file, "invalid", "it was not made for a report of runcert " +
-      `(its namespace is “${read.namespace}”)`, about);
+  const role = /^([A-Za-z0-9_-]+)@runcert$/.exec(read.namespace)?.[1];
+  demand(role, `it was not made for a report of runcert (its namespace is “${read.namespace}”)`);
   if (read.type !== "ssh-ed25519")
-    return signatureFinding(file, "unchecked", `Its key is of the type ${read.type}, which a page ` +
-      "cannot check: check it with ssh-keygen -Y verify or runcert verify.", about);
+    return { words: `Its key is of the type ${read.type}, which a page cannot check: check it with ` +
+      "ssh-keygen -Y verify or runcert verify." };
   const hashes = { sha256: nobleHashes.sha256, sha512: nobleHashes.sha512 };
-  const hash = Object.hasOwn(hashes, read.hash) ? hashes[read.hash] : null;
-  if (!hash || read.signatureType !== "ssh-ed25519" || read.key.length !== 32)
-    return signatureFinding(file, "invalid", "its parts do not fit together", about);
-  const signed = joinBytes(utf8Bytes("SSHSIG"), sshString(utf8Bytes(read.namespace)),
-    sshString(read.reserved), sshString(utf8Bytes(read.hash)), sshString(hash(reportBytes)));
-  return await ed25519Holds(read.key, read.signature, signed)
-    ? signatureFinding(file, "valid", "", about)
-    : signatureFinding(file, "invalid",
-      "the signature of report.json does not hold: the report or the signature was changed", about);
+  demand(Object.hasOwn(hashes, read.hash) && read.signatureType === "ssh-ed25519" && read.key.length === 32,
+    "its parts do not fit together");
+  const signed = joinBytes(utf8Bytes("SSHSIG"), sshString(utf8Bytes(read.namespace)), sshString(read.reserved),
+    sshString(utf8Bytes(read.hash)), sshString(hashes[read.hash](reportBytes)));
+  demand(await ed25519Holds(read.key, read.signature, signed), notHeld);
+  return { role, fingerprint: sshFingerprint(read.blob), publicKey: `${read.type} ${base64Of(read.blob)}` };
 }
 
 /**
- * Checks one signature file against the bytes of report.json. `identity` is what the report says of
- * itself: {report, attempt}. Never throws for what stands in the file.
+ * What is known of one signature file beside the bytes of report.json: {file, state, words} and, where
+ * its state is "valid" and not "invalid" or "unchecked", who signed. `identity` is what the report says
+ * of itself: {report, attempt}. Never throws for what stands in the file.
  */
 async function checkSignature({ file, text }, reportBytes, identity) {
   try {
-    return isSshSignature(text) ? await checkSshSignature(file, text, reportBytes)
-                                : await checkMinisign(file, text, reportBytes, identity);
+    const signer = await (text.startsWith("-----BEGIN SSH SIGNATURE-----")
+      ? sshSigner(text, reportBytes) : minisignSigner(file, text, reportBytes, identity));
+    return { file, state: signer.words ? "unchecked" : "valid", ...signer };
   } catch (error) {
     if (!(error instanceof PageFault)) throw error;
-    return signatureFinding(file, "invalid", error.message);
+    return { file, state: "invalid", words: error.message };
   }
 }

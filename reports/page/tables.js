@@ -15,24 +15,17 @@ function leadingNumber(text) {
 }
 
 /** The text of a row's cell in a column; cells may span several. */
-function cellText(row, column) {
-  let at = 0;
-  for (const cell of row.cells) {
-    at += cell.colSpan;
-    if (column < at) return cell.textContent.trim();
-  }
-  return "";
-}
+const cellText = (row, column) =>
+  Array.from(row.cells).flatMap((cell) => Array(cell.colSpan).fill(cell))[column]?.textContent.trim() ?? "";
 
 /** Compares cells: numbers where the whole column has them, else texts; empty ones come last. */
 function cellOrder(texts) {
-  const full = texts.filter((text) => text !== "" && text !== "-" && text !== "–" && text !== "—");
+  const isEmpty = (text) => ["", "-", "–", "—"].includes(text);
+  const full = texts.filter((text) => !isEmpty(text));
   const numeric = full.length > 0 && full.every((text) => !Number.isNaN(leadingNumber(text)));
-  const isEmpty = (text) => !full.includes(text);
   return (a, b, direction) => {
     if (isEmpty(a) || isEmpty(b)) return Number(isEmpty(a)) - Number(isEmpty(b));
-    const order = numeric ? leadingNumber(a) - leadingNumber(b) : sortCollator.compare(a, b);
-    return direction * order;
+    return direction * (numeric ? leadingNumber(a) - leadingNumber(b) : sortCollator.compare(a, b));
   };
 }
 

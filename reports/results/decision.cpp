@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -15,18 +14,13 @@ namespace runcert {
 namespace {
 
 /// Facts of those levels alone; those without a value are left out.
-class LevelledFacts {
-  public:
-    LevelledFacts(Level from, Level to) : from_(from), to_(to) {}
+struct LevelledFacts {
+    Level from, to;
+    Block block = facts({}, {}, "narrow");
 
     void add(Level level, const char* name, std::string value) {
-        if (from_ <= level && level <= to_) add_fact(block_, name, std::move(value));
+        if (from <= level && level <= to) add_fact(block, name, std::move(value));
     }
-    Block take() && { return std::move(block_); }
-
-  private:
-    Level from_, to_;
-    Block block_ = facts({}, {}, "narrow");
 };
 
 std::string with_unit(const std::string& figure, const ShownFigures& shown) {
@@ -42,30 +36,14 @@ std::string point_words(const RuleView& rule) {
     if (!counted_point && !points.antenna_speed_m_s) return {};
     const std::string point(words_of(counted_point.value_or(SpeedOf::antenna)));
     if (!points.reference_point_speed_m_s) return point;
-    const auto beside = [&](double speed_m_s, SafeSide side) {
-        return speed_beside(rule.verdict, speed_m_s, rule.unit().name, side);
+    const auto beside = [&](const auto& speed_m_s, SafeSide side = SafeSide::down) {
+        return speed_beside(rule.verdict, *speed_m_s, rule.unit().name, side);
     };
-    if (counted_point == SpeedOf::reference_point)
-        return fmt::format("{}; the antenna made {}", point,
-                           beside(*points.antenna_speed_m_s, SafeSide::down));
-    return fmt::format("{}; the craft's reference point made {} ± {}", point,
-                       beside(*points.reference_point_speed_m_s, SafeSide::down),
-                       beside(*points.reference_point_expanded_uncertainty_m_s, SafeSide::up));
-}
-
-void add_window(LevelledFacts& told, const RuleView& rule) {
-    const auto& window = rule.verdict.window;
-    told.add(Level::page, "Window",
-             window                   ? window_line(*window)
-             : rule.verdict.speed_m_s ? ""
-                                      : "none could be certified");
-    if (!window) return;
-    if (window->start_gps) {
-        told.add(Level::page, "Local time", local_time(*window->start_gps, rule.attempt));
-        told.add(Level::record, "From the first epoch", seconds_text(window->start));
-    }
-    if (rule.profile.margin_kind == MarginKind::elapsed_time)
-        told.add(Level::page, "Elapsed time", seconds_text(window->duration));
+    return counted_point == SpeedOf::reference_point
+               ? fmt::format("{}; the antenna made {}", point, beside(points.antenna_speed_m_s))
+               : fmt::format("{}; the craft's reference point made {} ± {}", point,
+                             beside(points.reference_point_speed_m_s),
+                             beside(points.reference_point_expanded_uncertainty_m_s, SafeSide::up));
 }
 
 std::string uncertainty_words(const RuleView& rule) {
@@ -78,36 +56,56 @@ std::string uncertainty_words(const RuleView& rule) {
     const double limit_m_s = verdict.decision ? verdict.decision->bias_limit_m_s : 0.0;
     const double standard_m_s =
         (verdict.expanded_uncertainty_m_s.value_or(0.0) - limit_m_s) / verdict.coverage_factor;
-    std::string text =
-        fmt::format("Expanded {}: {} times the standard uncertainty, {}",
-                    with_unit(rule.shown().expanded_uncertainty, rule.shown()),
-                    coverage_text(verdict.coverage_factor), rounded_up(standard_m_s));
-    if (limit_m_s > 0.0)
-        text +=
-            fmt::format(", and {} for what choosing the fastest window may have left in the speed",
-                        rounded_up(limit_m_s));
-    text += ".";
-    if (verdict.decision && verdict.decision->required_speed_standard_uncertainty_m_s > 0.0)
-        text += fmt::format(
-            " The required speed has a standard uncertainty of {}, from the record's own; the two "
-            "are combined.",
-            rounded_up(verdict.decision->required_speed_standard_uncertainty_m_s));
-    return text;
+    const double required_m_s =
+        verdict.decision ? verdict.decision->required_speed_standard_uncertainty_m_s : 0.0;
+    return fmt::format(
+        "Expanded {}: {} times the standard uncertainty, {}{}.{}",
+        with_unit(rule.shown().expanded_uncertainty, rule.shown()),
+        coverage_text(verdict.coverage_factor), rounded_up(standard_m_s),
+        limit_m_s > 0.0
+            ? fmt::format(
+                  ", and {} for what choosing the fastest window may have left in the speed",
+                  rounded_up(limit_m_s))
+            : "",
+        required_m_s > 0.0
+            ? fmt::format(" The required speed has a standard uncertainty of {}, from the record's "
+                          "own; the two are combined.",
+                          rounded_up(required_m_s))
+            : "");
 }
 
+/// What it was decided by.
 void add_decision(LevelledFacts& told, const RuleView& rule) {
     const ProfileVerdict& verdict = rule.verdict;
-    if (verdict.decision) {
-        const bool counts = verdict.outcome != Outcome::not_certifiable;
+    const bool counts = verdict.outcome != Outcome::not_certifiable;
+    if (verdict.decision)
         told.add(counts ? Level::page : Level::annex, "Conformance probability",
-                 conformance_text(*verdict.decision) +
-                     (counts ? "" : "; it does not count, since the speed cannot be certified"));
-    }
+                 fmt::format(
+                     "{} (at least {} required){}", probability_text(verdict.decision->probability),
+                     level_text(verdict.decision->level),
+                     counts ? "" : "; it does not count, since the speed cannot be certified"));
     told.add(Level::annex, "Decision rule", decision_rule_text(rule.profile, verdict));
     told.add(Level::annex, "Agreement",
              agreement_text(rule.attempt.decision_rule_agreed, verdict.window));
     told.add(Level::annex, "Guard band", guard_band_text(verdict, rule.unit()));
     told.add(Level::annex, "Risk", capitalised(risk_text(verdict)));
+    const OwnArithmetic& own = verdict.own_arithmetic;
+    told.add(Level::page, "By the body's arithmetic",
+             told.to >= Level::record ? own_arithmetic_text(own)
+             : own.shown.empty()      ? "not known"
+                                      : own.shown);
+    const auto& window = verdict.window;
+    if (!window) {
+        if (!verdict.speed_m_s) told.add(Level::page, "Window", "none could be certified");
+        return;
+    }
+    told.add(Level::page, "Window", window_line(*window));
+    if (window->start_gps) {
+        told.add(Level::page, "Local time", local_time(*window->start_gps, rule.attempt));
+        told.add(Level::record, "From the first epoch", seconds_text(window->start));
+    }
+    if (rule.profile.margin_kind == MarginKind::elapsed_time)
+        told.add(Level::page, "Elapsed time", seconds_text(window->duration));
 }
 
 }  // namespace
@@ -138,20 +136,19 @@ std::string rounding_words(const Profile& profile) {
 }
 
 std::string window_line(const WindowSpan& span) {
-    if (!span.start_gps)
-        return fmt::format("{} from {} after the first epoch; the recording's time is relative",
-                           seconds_text(span.duration), seconds_text(span.start));
-    return fmt::format("{} from {}", seconds_text(span.duration), to_utc_iso(*span.start_gps, 3));
+    return fmt::format("{} from {}", seconds_text(span.duration),
+                       span.start_gps ? to_utc_iso(*span.start_gps, 3)
+                                      : seconds_text(span.start) +
+                                            " after the first epoch; the recording's time is "
+                                            "relative");
 }
 
 std::string local_time(GpsTime time, const Attempt& attempt) {
     if (!attempt.utc_offset_minutes) return {};
-    std::string text = to_utc_iso(
-        time.plus_nanoseconds(*attempt.utc_offset_minutes * 60 * GpsTime::nanoseconds_per_second),
-        3);
-    text.pop_back();
-    std::ranges::replace(text, 'T', ' ');
-    return fmt::format("{} (UTC{})", text, attempt.utc_offset);
+    const std::int64_t offset_s = *attempt.utc_offset_minutes * 60;
+    return fmt::format("{} (UTC{})",
+                       utc_text(time.plus_nanoseconds(offset_s * GpsTime::nanoseconds_per_second)),
+                       attempt.utc_offset);
 }
 
 std::string coverage_words(const RuleView& rule) {
@@ -166,7 +163,7 @@ double coverage_probability(double nominal_factor) {
 Block decision_facts(const RuleView& rule, Level from, Level to) {
     const ProfileVerdict& verdict = rule.verdict;
     const ShownFigures shown = rule.shown();
-    LevelledFacts told(from, to);
+    LevelledFacts told{from, to};
     if (verdict.speed_m_s)
         told.add(Level::page,
                  verdict.outcome == Outcome::not_certifiable ? "Not certified" : "Measured speed",
@@ -177,8 +174,7 @@ Block decision_facts(const RuleView& rule, Level from, Level to) {
         told.add(Level::page, "Required speed", with_unit(shown.required_speed, shown));
         told.add(Level::page, "Acceptance limit", with_unit(shown.acceptance_limit, shown));
     }
-    told.add(Level::page, "Record to beat",
-             verdict.record ? record_text(*verdict.record) : std::string());
+    if (verdict.record) told.add(Level::page, "Record to beat", record_text(*verdict.record));
     if (verdict.required_speed_m_s)
         told.add(Level::annex, "Margin",
                  fmt::format("The rule asks for {}; {}.", margin_words(rule.profile),
@@ -190,13 +186,7 @@ Block decision_facts(const RuleView& rule, Level from, Level to) {
             fmt::format("Its component along the course, {}, has been subtracted.",
                         speed_beside(verdict, *verdict.current_subtracted_m_s, rule.unit().name)));
     add_decision(told, rule);
-    const OwnArithmetic& own = verdict.own_arithmetic;
-    told.add(Level::page, "By the body's arithmetic",
-             to >= Level::record ? own_arithmetic_text(own)
-             : own.shown.empty() ? "not known"
-                                 : own.shown);
-    add_window(told, rule);
-    return std::move(told).take();
+    return std::move(told.block);
 }
 
 }  // namespace runcert

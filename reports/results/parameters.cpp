@@ -13,17 +13,6 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-/// The field table's rule of a stage's parameter; null where it has none.
-const FieldRule* rule_of(const std::string& stage, const std::string& name) {
-    if (stage == "import") return attempt_schema().find("receivers[]." + name);
-    return attempt_schema().find(fmt::format("parameters.{}.{}", stage, name));
-}
-
-Json default_of(const FieldRule& rule, const std::string& craft_class) {
-    return json_from_yaml(rule.default_value.is_map() ? rule.default_value[craft_class]
-                                                      : rule.default_value);
-}
-
 std::string value_text(const Json& value) {
     if (value.is_number_float()) return quantity_text(value.get<double>());
     if (value.is_string()) return value.get<std::string>();
@@ -32,10 +21,6 @@ std::string value_text(const Json& value) {
     for (const Json& item : value)
         items.push_back(value_text(item));
     return listed(items);
-}
-
-bool is_same(const Json& a, const Json& b) {
-    return a.is_number() && b.is_number() ? a.get<double>() == b.get<double>() : a == b;
 }
 
 std::string set_by(const Attempt& attempt, const std::string& path, bool is_default) {
@@ -54,9 +39,15 @@ std::vector<Block> parameter_blocks(const Attempt& attempt,
     for (const Header* header : headers)
         for (const auto& [name, used] : header->parameters->items()) {
             const std::string path = header->stage + "." + name;
-            const FieldRule* rule = rule_of(header->stage, name);
-            const Json fallback = rule ? default_of(*rule, attempt.craft.kind) : Json();
-            const bool is_default = rule && is_same(used, fallback);
+            const FieldRule* rule = attempt_schema().find(
+                header->stage == "import" ? "receivers[]." + name
+                                          : fmt::format("parameters.{}.{}", header->stage, name));
+            const Json fallback = rule
+                                      ? json_from_yaml(rule->default_value.is_map()
+                                                           ? rule->default_value[attempt.craft.kind]
+                                                           : rule->default_value)
+                                      : Json();
+            const bool is_default = rule && used == fallback;
             ++count;
             replaced += is_default ? 0 : 1;
             if (is_default && level != Level::all) continue;

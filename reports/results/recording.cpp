@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "core/claimed_text.h"
@@ -45,29 +44,12 @@ std::string noise_parameter_text(const NoiseParameter& parameter, const NoiseSum
     return fmt::format("{}, × or ÷ {}{}", value, significant_text(std::exp(*relative), 3), limit);
 }
 
-std::string innovations_text(const FilterHealth& health) {
-    if (health.innovations == 0) return "no innovations";
-    return fmt::format("{}: mean square {} of {}, limits {} to {}; {} of {} outside, {} allowed",
-                       health.consistent ? "passed" : "not passed",
-                       format_fixed(health.mean_statistic, 3),
-                       counted(health.innovations, "innovation"), format_fixed(health.lower, 3),
-                       format_fixed(health.upper, 3), health.spans_outside,
-                       counted(health.spans, "span"), health.spans_allowed);
-}
-
-std::string autocorrelation_text(const FilterHealth& health) {
-    if (health.innovations == 0) return "no innovations";
-    return fmt::format("{} with noise as stated, {} with the noise used: {}",
-                       format_fixed(health.autocorrelation_stated, 3),
-                       format_fixed(health.autocorrelation, 3),
-                       health.white ? "white" : "not white");
-}
-
 /// The lines of the table of noise, with their cells for one set of axes.
 std::vector<std::pair<const char*, std::string>> noise_lines(const AxesEstimation& axes) {
     const NoiseSummary& noise = axes.noise;
     const FilterHealth& health = axes.health;
     const bool fitted = noise.status == NoiseBasis::fitted;
+    const bool tested = health.innovations > 0;
     const auto parameter = [&](const NoiseParameter& value, const char* unit) {
         return noise_parameter_text(value, noise, unit);
     };
@@ -95,27 +77,25 @@ std::vector<std::pair<const char*, std::string>> noise_lines(const AxesEstimatio
                                      noise.converged ? "converged" : "stopped before it converged",
                                      format_fixed(noise.passes, 1))
                        : "none"},
-        {"Autocorrelation of the innovations, lag 1", autocorrelation_text(health)},
-        {"Innovation test", innovations_text(health)},
+        {"Autocorrelation of the innovations, lag 1",
+         tested ? fmt::format("{} with noise as stated, {} with the noise used: {}",
+                              format_fixed(health.autocorrelation_stated, 3),
+                              format_fixed(health.autocorrelation, 3),
+                              health.white ? "white" : "not white")
+                : "no innovations"},
+        {"Innovation test",
+         tested
+             ? fmt::format("{}: mean square {} of {}, limits {} to {}; {} of {} outside, {} "
+                           "allowed",
+                           health.consistent ? "passed" : "not passed",
+                           format_fixed(health.mean_statistic, 3),
+                           counted(health.innovations, "innovation"), format_fixed(health.lower, 3),
+                           format_fixed(health.upper, 3), health.spans_outside,
+                           counted(health.spans, "span"), health.spans_allowed)
+             : "no innovations"},
         {"Covariances", fmt::format("condition at most {}, asymmetry at most {}",
                                     significant_text(health.largest_condition, 3),
                                     scientific_text(health.largest_asymmetry))}};
-}
-
-/// The estimated noise, and whether filter and smoother behaved by it: a column for the horizontal
-/// axes, and one for the vertical one where heights were measured.
-Block noise_table(const EstimationSummary& estimation) {
-    const bool heights = estimation.vertical.has_value();
-    Block block = table(heights ? std::vector<std::string>{"|30", "Horizontal|35", "Vertical|35"}
-                                : std::vector<std::string>{"|40", "Horizontal|60"},
-                        "Noise estimated from the recording");
-    for (const auto& [label, text] : noise_lines(estimation.horizontal))
-        add_row(block, {label, text});
-    if (!heights) return block;
-    auto row = block.rows.begin();
-    for (const auto& line : noise_lines(*estimation.vertical))
-        (row++)->cells.push_back(line.second);
-    return block;
 }
 
 /// How the format was known, and what exactly it is.
@@ -153,14 +133,12 @@ std::string accuracy_words(const std::string& source) {
                                  : "not stated";
 }
 
-std::string clock_words(const Observations& observations) {
-    const std::string& source = observations.facts.time_source;
-    const std::string& origin = observations.time_origin;
+std::string clock_words(const std::string& source, const std::string& origin) {
     const std::string whose = source == "satellites" ? "the satellites' time, as the format says"
                               : source == "attempt"  ? "the satellites' time, as the attempt states"
                                                      : "";
-    if (whose.empty()) return origin.empty() ? "whose clock made them is not known" : origin;
-    return origin.empty() ? whose : origin + ": " + whose;
+    if (origin.empty()) return whose.empty() ? "whose clock made them is not known" : whose;
+    return whose.empty() ? origin : origin + ": " + whose;
 }
 
 std::string resolution_words(const RecordingFacts& facts) {
@@ -191,26 +169,6 @@ void add_stated(Block& list, const Receiver& receiver, bool heights_measured) {
              receiver.calibration ? calibration_text(*receiver.calibration) : "none is stated");
 }
 
-Block estimation_facts(const EstimationSummary& estimation) {
-    Block list = facts({}, "Estimate");
-    add_fact(list, "Arcs", counted(estimation.arcs));
-    add_fact(list, "Degrees of freedom", counted(estimation.degrees_of_freedom));
-    add_fact(list, "Variance of unit weight, a posteriori",
-             format_fixed(estimation.variance_factor, 2));
-    add_fact(list, "Factor on the stated covariances, horizontal",
-             format_fixed(estimation.variance_factor_applied, 2));
-    add_fact(list, "Stretches solved by batch least squares", counted(estimation.batch_stretches));
-    add_fact(list, "Epochs at less than half weight in the robust estimate",
-             counted(estimation.robust_downweighted));
-    if (estimation.robust_unsolved > 0)
-        add_fact(list, "Arcs without a robust estimate", counted(estimation.robust_unsolved));
-    add_fact(list, "Smoother and batch least squares, largest difference of position",
-             scientific_text(estimation.largest_position_difference_m) + " m");
-    add_fact(list, "and of velocity",
-             scientific_text(estimation.largest_velocity_difference_m_s) + " m/s");
-    return list;
-}
-
 }  // namespace
 
 Block recording_facts(const Observations& observations, const Receiver& receiver,
@@ -235,7 +193,7 @@ Block recording_facts(const Observations& observations, const Receiver& receiver
     }
     add_one("Coordinates", frame_words(observations.frame));
     add_one("Time scale", scale_words(observations.time_scale));
-    add_one("Time stamps", clock_words(observations));
+    add_one("Time stamps", clock_words(recorded.time_source, observations.time_origin));
     add_one("Fix type", std::string(words_of(observations.solution_source)));
     if (const auto& first = recorded.first_epoch) {
         add_one("First epoch, UTC", utc_text(*first));
@@ -257,11 +215,10 @@ Block recording_facts(const Observations& observations, const Receiver& receiver
 
 Block frame_facts(const std::optional<FrameOrigin>& origin) {
     Block list = facts({}, "Coordinates");
-    add_fact(
-        list, "Frame",
-        origin ? "east, north and up at the origin, on WGS 84, without the scale of a map"
-               : "engineering CRS, not tied to the Earth: its place, orientation and scale are not "
-                 "stated");
+    add_fact(list, "Frame",
+             origin ? "east, north and up at the origin, on WGS 84, without the scale of a map"
+                    : "engineering CRS, not tied to the Earth: its place, orientation and scale "
+                      "are not stated");
     if (!origin) return list;
     add_fact(list, "Origin", place_words(origin->position));
     add_fact(list, "Chosen by",
@@ -274,7 +231,68 @@ Block frame_facts(const std::optional<FrameOrigin>& origin) {
 }
 
 std::vector<Block> estimation_blocks(const EstimationSummary& estimation) {
-    return {estimation_facts(estimation), noise_table(estimation)};
+    Block list = facts(
+        {{"Arcs", counted(estimation.arcs)},
+         {"Degrees of freedom", counted(estimation.degrees_of_freedom)},
+         {"Variance of unit weight, a posteriori", format_fixed(estimation.variance_factor, 2)},
+         {"Factor on the stated covariances, horizontal",
+          format_fixed(estimation.variance_factor_applied, 2)},
+         {"Stretches solved by batch least squares", counted(estimation.batch_stretches)},
+         {"Epochs at less than half weight in the robust estimate",
+          counted(estimation.robust_downweighted)}},
+        "Estimate");
+    if (estimation.robust_unsolved > 0)
+        add_fact(list, "Arcs without a robust estimate", counted(estimation.robust_unsolved));
+    add_fact(list, "Smoother and batch least squares, largest difference of position",
+             scientific_text(estimation.largest_position_difference_m) + " m");
+    add_fact(list, "and of velocity",
+             scientific_text(estimation.largest_velocity_difference_m_s) + " m/s");
+    // The estimated noise, and whether filter and smoother behaved by it.
+    const bool heights = estimation.vertical.has_value();
+    Block noise = table(heights ? std::vector<std::string>{"|30", "Horizontal|35", "Vertical|35"}
+                                : std::vector<std::string>{"|40", "Horizontal|60"},
+                        "Noise estimated from the recording");
+    for (const auto& [label, text] : noise_lines(estimation.horizontal))
+        add_row(noise, {label, text});
+    auto row = noise.rows.begin();
+    if (heights)
+        for (auto& line : noise_lines(*estimation.vertical))
+            (row++)->cells.push_back(std::move(line.second));
+    return {std::move(list), std::move(noise)};
+}
+
+std::vector<Block> attitude_facts(const AttitudeTable& attitude) {
+    const InertialConsistency& found = attitude.consistency;
+    Block list = facts({});
+    add_fact(list, "Agreement",
+             found.standing == InertialStanding::consistent
+                 ? std::string(words_of(found.standing))
+                 : found.reason + " Nothing rests on this solution.");
+    add_fact(list, "Positions that took part", counted(found.epochs));
+    if (found.epochs > 0) {
+        add_fact(list, "Normalised innovations",
+                 fmt::format("mean square {}, 0.3 to 2 is accepted; {} % beyond the 99.9 % point",
+                             format_fixed(found.normalised_innovations, 2),
+                             format_fixed(100.0 * found.beyond_share, 1)));
+        add_fact(list, "Start of the attitude", std::string(words_of(found.start)));
+    }
+    add_fact(list, "Added to the IMU's times",
+             fmt::format("{} s, {} s stated", format_fixed(attitude.time_offset.used_s, 4),
+                         format_fixed(attitude.time_offset.declared_s, 4)));
+    const EstimatedArm& arm = attitude.antenna;
+    const bool as_stated = arm.used == arm.declared;
+    add_fact(list, "From the IMU to the antenna",
+             arm_text(arm.declared) + (as_stated ? "" : ", stated and not used"));
+    if (arm.estimated && arm.sigma)
+        add_fact(
+            list, "The same as the motion shows it",
+            arm_text(*arm.estimated, arm.sigma) + (as_stated ? "" : "; the solution rests on it"));
+    add_fact(list, "Stretches that only the IMU bridges", counted(std::ssize(attitude.bridged)));
+    std::vector<Block> blocks{std::move(list)};
+    if (!attitude.mount.judgement.empty()) blocks.push_back(paragraph(attitude.mount.judgement));
+    if (attitude.baseline) blocks.push_back(paragraph(attitude.baseline->judgement));
+    if (!attitude.notes.empty()) blocks.push_back(list_of(attitude.notes));
+    return blocks;
 }
 
 }  // namespace runcert

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -41,27 +42,26 @@ struct RuleView {
     /// The figures as they are to be read; those of the window where the verdict has no speed, and
     /// the required speed alone where there is neither.
     ShownFigures shown() const;
+    /// "0.018 km/h".
+    std::string uncertainty_text(double uncertainty_m_s) const;
 };
 
-/// Which speed counts, "Speed over 3 s, by the definition: displacement over time."
-std::string rule_words(const Profile& profile);
-
-/// One speed, to be shown in every unit.
-struct SpeedRow {
-    std::string label;
-    std::optional<double> speed_m_s;
-    SpeedKind kind = SpeedKind::measured;
-    bool counts = false;  ///< the one that the rule counts
-};
-/// Rows of one speed each, in every unit, the rule's own first, with the decimals of the figures on
-/// the first page. Rows without a speed are left out.
-Block speed_table(const std::string& title, const std::vector<SpeedRow>& rows,
-                  const RuleView& rule);
+/// What is alike together, in the order of the first of each.
+template <class T, class Alike>
+std::vector<std::vector<T>> grouped(const std::vector<T>& all, Alike alike) {
+    std::vector<std::vector<T>> groups;
+    for (const T& one : all) {
+        const auto same = std::ranges::find_if(
+            groups, [&](const std::vector<T>& group) { return alike(group.front(), one); });
+        (same == groups.end() ? groups.emplace_back() : *same).push_back(one);
+    }
+    return groups;
+}
 
 // Of a verdict.
 
-/// The state in words, in capitals where it must be seen: "met", "NOT MET".
-std::string state_text(RequirementStatus status);
+/// Which speed counts, "Speed over 3 s, by the definition: displacement over time."
+std::string rule_words(const Profile& profile);
 /// A requirement in a row that a terminal can show, its name and state; beneath it what it asks,
 /// and the evidence. Of the record also by what it was decided, its figures and its source.
 Block requirement_rows(const ProfileVerdict& verdict, Level level);
@@ -84,9 +84,6 @@ double coverage_probability(double nominal_factor);
 std::string coverage_words(const RuleView& rule);
 /// The speeds of a rule, and how it was decided, of these levels.
 Block decision_facts(const RuleView& rule, Level from, Level to);
-
-/// What else is known of it: its figures, and its source.
-std::vector<std::string> requirement_lines(const Requirement& requirement);
 /// "margin.value is 2 mph in place of the rule's 1 mph. Reason: agreed": the figures whose names
 /// are among these.
 std::vector<std::string> override_words(const ProfileVerdict& verdict,
@@ -96,14 +93,15 @@ struct SaidOfAll {
     std::vector<Fact> facts = {};
     std::vector<std::string> notes = {};
 };
-bool holds(const std::vector<Fact>& facts, const Fact& one);
 /// Empty where there is but one.
 SaidOfAll said_of_all(const std::vector<RuleView>& rules, Level from, Level to);
-
 /// Reason, decision of these levels, replaced figures, and notes, but for what is said of all
 /// rules.
 std::vector<Block> verdict_blocks(const RuleView& rule, Level from, Level to,
                                   const SaidOfAll& said = {});
+/// The requirements of several rules in a table as wide as a page, each once, with what differs
+/// between the rules beneath it.
+Block requirements_table(const std::vector<RuleView>& rules);
 
 // Of a window, and of the run that it is in.
 
@@ -113,9 +111,9 @@ Block span_facts(const WindowSpan& span);
 Block result_table(const RuleView& rule);
 /// The certified window, with its speed by each definition and method.
 std::vector<Block> window_blocks(const RuleView& rule, const WindowSpan& span);
-/// Speeds of antenna and reference point, where an IMU tells both; the windows that make the figure
-/// together, where it is of several.
-std::vector<Block> points_and_further_blocks(const RuleView& rule);
+/// The certified windows, their speeds by each definition, by each rule's own arithmetic, of two
+/// points of the craft, and of further windows.
+std::vector<Block> windows_of_all(const std::vector<RuleView>& rules);
 /// The fastest window of the raw positions, where it was refused; else none.
 std::vector<Block> refused_blocks(const RuleView& rule);
 /// The uncertainty of the certified window: what it rests on, its budget, what could be missed.
@@ -124,22 +122,13 @@ std::vector<Block> uncertainty_blocks(const RuleView& rule);
 std::string tested_error_text(Hypothesis hypothesis);
 /// The blocks of the budget and of its check.
 std::vector<Block> budget_blocks(const RuleView& rule);
+/// The budgets beside each other, as contributions to each rule's speed.
+std::vector<Block> budgets_of_all(const std::vector<RuleView>& rules);
 /// What witnesses say of the speed; what the data say of course and craft; the runs of the craft,
 /// where what several rules cut alike is one table.
 std::vector<Block> witness_blocks(const std::vector<RuleView>& rules);
 std::vector<Block> course_blocks(const std::vector<RuleView>& rules);
 std::vector<Block> run_blocks(const std::vector<RuleView>& rules);
-
-// Of several rules together, what is alike once.
-
-/// The requirements in a table as wide as a page, each once, with what differs between the rules
-/// beneath it.
-Block requirements_table(const std::vector<RuleView>& rules);
-/// The certified windows, their speeds by each definition, by each rule's own arithmetic, of two
-/// points of the craft, and of further windows.
-std::vector<Block> windows_of_all(const std::vector<RuleView>& rules);
-/// The budgets beside each other, as contributions to each rule's speed.
-std::vector<Block> budgets_of_all(const std::vector<RuleView>& rules);
 
 /// What the stages were told: of each parameter the figure used, its default, and who set it; those
 /// that have the default only with all lists in full.
@@ -165,11 +154,6 @@ std::vector<Block> estimation_blocks(const EstimationSummary& estimation);
 /// Whether IMU and positions agree, with what the solution found of the IMU's clock, place and
 /// axes.
 std::vector<Block> attitude_facts(const AttitudeTable& attitude);
-
-/// Counts hold every fault of the time stamps, the table a thousand of them at most.
-std::int64_t time_stamp_faults(const TimeStampSummary& time);
-/// Length of the longest arc; 0 where there is none.
-double longest_arc_s(const std::vector<ScreenedEpoch>& rows);
 /// The time of the last row.
 ElapsedTime last_time(const std::vector<ScreenedEpoch>& rows);
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <span>
 
 #include "core/rounding.h"
 #include "core/text.h"
@@ -36,31 +37,6 @@ std::string delay_text(const VelocityComparison& velocity) {
                        delay_s < 0.0 ? "ahead of" : "behind");
 }
 
-std::string tests_text(const ScreeningBasis& basis) {
-    return fmt::format(
-        "{}, the recording gone through {}; each raises a false alarm with a probability of {}",
-        counted(basis.tests), counted(basis.passes, "time"), scientific_text(basis.test_size));
-}
-
-std::string false_alarm_text(const ScreeningBasis& basis) {
-    const double rate = basis.family_false_alarm_rate;
-    if (!(rate > 0.0)) return "not stated";
-    return fmt::format(
-        "of {} recordings without an outlier at most one would have anything marked, by all tests "
-        "together",
-        counted(static_cast<std::int64_t>(std::floor(1.0 / rate + 1e-9))));
-}
-
-/// A time-correlated error is not in it.
-std::string fix_type_errors_text(const FixTypeErrors& errors) {
-    const bool decided = errors.judgement != AccuracyJudgement::too_few_epochs;
-    return fmt::format("{}: {}{} ({})", words_of(errors.fix),
-                       decided ? fmt::format("{} times the stated standard deviation, ",
-                                             significant_text(std::sqrt(errors.variance_factor), 2))
-                               : "",
-                       words_of(errors.judgement), counted(errors.epochs, "epoch"));
-}
-
 std::string velocity_comparison_text(const VelocityComparison& velocity) {
     if (velocity.origin == VelocityOrigin::positions) return std::string(words_of(velocity.origin));
     std::string text =
@@ -78,39 +54,24 @@ std::string velocity_comparison_text(const VelocityComparison& velocity) {
 
 std::string device_signs_text(const DeviceSigns& device) {
     if (device.moving == 0) return "none looked for: the craft hardly moved";
-    if (device.held + device.interpolated == 0)
-        return fmt::format("none in {} recorded in motion", counted(device.moving, "position"));
+    const std::string moving = counted(device.moving, "position") + " recorded in motion";
+    if (device.held + device.interpolated == 0) return "none in " + moving;
     return fmt::format(
-        "{} of {} recorded in motion repeat the one before, {} lie on a line or curve through "
-        "others to the last digit; chance makes {}",
-        counted(device.held), counted(device.moving, "position"), counted(device.interpolated),
+        "{} of {} repeat the one before, {} lie on a line or curve through others to the last "
+        "digit; chance makes {}",
+        counted(device.held), moving, counted(device.interpolated),
         significant_text(device.by_chance, 2));
 }
 
 std::string time_fault_text(const TimeFault& fault) {
     const std::string size = format_fixed(std::abs(fault.size_s), 3) + " s";
-    switch (fault.kind) {
-        case TimeFaultKind::gap:
-            return size + " missing";
-        case TimeFaultKind::backward:
-            return "the clock goes back by " + size;
-        case TimeFaultKind::duplicate:
-            return "the time of the epoch before";
-        case TimeFaultKind::session:
-            return fmt::format("another session begins, {} {}", size,
-                               fault.size_s < 0.0 ? "earlier" : "later");
-        case TimeFaultKind::whole_second_shift:
-            break;
-    }
-    return fmt::format("the clock jumps by {} while the positions go on", size);
-}
-
-std::string baseline_comparison_text(const BaselineComparison& baseline) {
-    if (baseline.compared == 0) return "could not be compared: no epochs at the same time";
-    return fmt::format(
-        "“{}”: antennas {} m apart, standard deviation {} m over {}; contradicted at {}",
-        baseline.receiver, format_fixed(baseline.length_m, 3), format_fixed(baseline.sd_m, 3),
-        counted(baseline.compared, "epoch"), counted(baseline.rejected));
+    return fault.kind == TimeFaultKind::gap         ? size + " missing"
+           : fault.kind == TimeFaultKind::backward  ? "the clock goes back by " + size
+           : fault.kind == TimeFaultKind::duplicate ? "the time of the epoch before"
+           : fault.kind == TimeFaultKind::session
+               ? fmt::format("another session begins, {} {}", size,
+                             fault.size_s < 0.0 ? "earlier" : "later")
+               : fmt::format("the clock jumps by {} while the positions go on", size);
 }
 
 std::string surface_text(const SurfaceComparison& surface) {
@@ -125,56 +86,53 @@ std::string surface_text(const SurfaceComparison& surface) {
 
 std::string time_text(const ScreenedTable& table) {
     const TimeStampSummary& time = table.basis.time;
-    std::string text = fmt::format("{}, ", counted(time.sessions, "session"));
-    text += time.gaps == 0 ? "no gap"
-                           : fmt::format("{}, the longest {} s", counted(time.gaps, "gap"),
-                                         format_fixed(time.longest_gap_s, 3));
-    text += fmt::format(", {} repeated and {} backward; mostly {} s apart, the mean interval ",
-                        counted(time.duplicates), counted(time.backward),
-                        format_fixed(table.facts.nominal_interval_s, 3));
     const std::string deviation = format_fixed(std::abs(time.rate_deviation) * 1e6, 1);
-    text += deviation == "0.0" ? "as it should be"
-                               : fmt::format("{} millionths {} than it should be", deviation,
-                                             time.rate_deviation > 0.0 ? "longer" : "shorter");
-    return text + fmt::format(", scattering by {} s", significant_text(time.jitter_s, 2));
-}
-
-std::string fault_text(const ScreenedTable& table, const TimeFault& fault) {
-    const auto row = std::ranges::find(table.rows, fault.epoch, &ScreenedEpoch::epoch);
-    return fmt::format("epoch {}{}: {}", fault.epoch,
-                       row != table.rows.end() && row->source_line
-                           ? fmt::format(" (line {})", *row->source_line)
-                           : "",
-                       time_fault_text(fault));
+    return fmt::format(
+        "{}, {}, {} repeated and {} backward; mostly {} s apart, the mean interval {}, scattering "
+        "by {} s",
+        counted(time.sessions, "session"),
+        time.gaps == 0 ? "no gap"
+                       : fmt::format("{}, the longest {} s", counted(time.gaps, "gap"),
+                                     format_fixed(time.longest_gap_s, 3)),
+        counted(time.duplicates), counted(time.backward),
+        format_fixed(table.facts.nominal_interval_s, 3),
+        deviation == "0.0" ? "as it should be"
+                           : fmt::format("{} millionths {} than it should be", deviation,
+                                         time.rate_deviation > 0.0 ? "longer" : "shorter"),
+        significant_text(time.jitter_s, 2));
 }
 
 void add_time(Block& facts, const ScreenedTable& table, std::size_t faults_shown) {
     add_fact(facts, "Time stamps", time_text(table));
-    const auto& faults = table.basis.time.faults;
-    const std::size_t shown = std::min(faults.size(), faults_shown);
-    for (std::size_t i = 0; i < shown; ++i)
-        add_fact(facts, "Fault of time stamps", fault_text(table, faults[i]));
-    if (const std::int64_t left =
-            time_stamp_faults(table.basis.time) - static_cast<std::int64_t>(shown);
-        left > 0)
+    const TimeStampSummary& time = table.basis.time;
+    const std::size_t shown = std::min(time.faults.size(), faults_shown);
+    for (const TimeFault& fault : std::span(time.faults).first(shown)) {
+        const auto row = std::ranges::find(table.rows, fault.epoch, &ScreenedEpoch::epoch);
+        const bool has_line = row != table.rows.end() && row->source_line;
+        add_fact(facts, "Fault of time stamps",
+                 fmt::format("epoch {}{}: {}", fault.epoch,
+                             has_line ? fmt::format(" (line {})", *row->source_line) : "",
+                             time_fault_text(fault)));
+    }
+    // Counts hold every fault, the table a thousand of them at most.
+    const std::int64_t all =
+        std::max(time.gaps + time.duplicates + time.backward, std::ssize(time.faults));
+    if (const std::int64_t left = all - static_cast<std::int64_t>(shown); left > 0)
         add_fact(facts, "Further faults of time stamps", counted(left));
 }
 
 std::string limits_text(const ScreenedTable& table) {
     const LimitComparison& limits = table.basis.limits;
     return fmt::format(
-               "largest acceleration {} m/s^2 (limit of the class {} m/s^2), largest jerk {} m/s^3 "
-               "({} m/s^3)",
-               format_fixed(limits.acceleration_m_s2, 1),
-               format_fixed(limits.acceleration_max_m_s2, 1), format_fixed(limits.jerk_m_s3, 1),
-               format_fixed(limits.jerk_max_m_s3, 1)) +
-           (table.facts.vertical_measured
-                ? fmt::format(", largest vertical rate {} m/s ({} m/s)",
-                              format_fixed(limits.vertical_rate_m_s, 1),
-                              format_fixed(limits.vertical_rate_max_m_s, 1))
-                : "") +
-           fmt::format("; {} beyond them and the uncertainty of the motion",
-                       counted(limits.rejected, "epoch"));
+        "largest acceleration {} m/s^2 (limit of the class {} m/s^2), largest jerk {} m/s^3 ({} "
+        "m/s^3){}; {} beyond them and the uncertainty of the motion",
+        format_fixed(limits.acceleration_m_s2, 1), format_fixed(limits.acceleration_max_m_s2, 1),
+        format_fixed(limits.jerk_m_s3, 1), format_fixed(limits.jerk_max_m_s3, 1),
+        table.facts.vertical_measured ? fmt::format(", largest vertical rate {} m/s ({} m/s)",
+                                                    format_fixed(limits.vertical_rate_m_s, 1),
+                                                    format_fixed(limits.vertical_rate_max_m_s, 1))
+                                      : "",
+        counted(limits.rejected, "epoch"));
 }
 
 /// Sudden motion that tests allowed for, and where the errors around an epoch were larger.
@@ -186,45 +144,43 @@ void add_allowances(Block& facts, const std::vector<ScreenedEpoch>& rows) {
                              "{} (epoch {})",
                              format_fixed(*loudest->local_variance_factor, 2), loudest->epoch));
     const auto sudden = std::ranges::max_element(rows, {}, &ScreenedEpoch::manoeuvre_m_s2);
-    if (sudden != rows.end() && sudden->manoeuvre_m_s2)
+    const auto allowed = std::ranges::count_if(
+        rows, [](const ScreenedEpoch& row) { return row.manoeuvre_m_s2.has_value(); });
+    if (allowed > 0)
         add_fact(facts, "Manoeuvres allowed for",
                  fmt::format("at {}: a change of the acceleration explains the data better than an "
                              "error, at most {} m/s^2 (epoch {})",
-                             counted(std::ranges::count_if(
-                                         rows, [](const auto& found) { return found.has_value(); },
-                                         &ScreenedEpoch::manoeuvre_m_s2),
-                                     "epoch"),
-                             format_fixed(*sudden->manoeuvre_m_s2, 1), sudden->epoch));
+                             counted(allowed, "epoch"), format_fixed(*sudden->manoeuvre_m_s2, 1),
+                             sudden->epoch));
 }
 
-std::string decisions_text(const ScreeningSummary& summary) {
-    std::vector<std::string> decisions;
-    for (const auto& [hypothesis, count] : summary.decisions)
-        decisions.push_back(
-            fmt::format("{} at {}", tested_error_text(hypothesis), counted(count, "epoch")));
-    return decisions.empty() ? "nothing" : fmt::format("{}", fmt::join(decisions, "; "));
-}
-
-std::string used_text(const ScreenedTable& table, const ScreeningSummary& summary) {
-    std::string used =
-        fmt::format("{} of {}", counted(summary.usable), counted(std::ssize(table.rows)));
-    if (summary.arcs == 0) return used;
-    const std::string longest = format_fixed(longest_arc_s(table.rows), 3);
-    if (summary.arcs == 1) return fmt::format("{}, in one arc, of {} s", used, longest);
-    return fmt::format("{}, in {} arcs, the longest of {} s", used, summary.arcs, longest);
-}
-
-void add_basis(Block& facts, const ScreenedTable& table, std::size_t faults_shown) {
+void add_basis(Block& facts, const ScreenedTable& table) {
     const ScreeningBasis& basis = table.basis;
-    add_fact(facts, "Tests", tests_text(basis));
-    add_fact(facts, "False alarms", false_alarm_text(basis));
+    add_fact(facts, "Tests",
+             fmt::format("{}, the recording gone through {}; each raises a false alarm with a "
+                         "probability of {}",
+                         counted(basis.tests), counted(basis.passes, "time"),
+                         scientific_text(basis.test_size)));
+    const double rate = basis.family_false_alarm_rate;
+    add_fact(facts, "False alarms",
+             rate > 0.0
+                 ? fmt::format("of {} recordings without an outlier at most one would have "
+                               "anything marked, by all tests together",
+                               counted(static_cast<std::int64_t>(std::floor(1.0 / rate + 1e-9))))
+                 : "not stated");
     for (const ScreeningModel& model : basis.models)
         add_fact(facts, fmt::format("Noise assumed, {}", to_text(model.axes)), model_text(model));
     if (basis.models.empty()) add_fact(facts, "Noise assumed", "none: nothing could be tested");
     add_allowances(facts, table.rows);
+    // A time-correlated error is not in these.
     for (const FixTypeErrors& errors : basis.fix_types)
         add_fact(facts, fmt::format("Errors between epochs, {}", to_text(errors.axes)),
-                 fix_type_errors_text(errors));
+                 fmt::format("{}: {}{} ({})", words_of(errors.fix),
+                             errors.judgement == AccuracyJudgement::too_few_epochs
+                                 ? ""
+                                 : significant_text(std::sqrt(errors.variance_factor), 2) +
+                                       " times the stated standard deviation, ",
+                             words_of(errors.judgement), counted(errors.epochs, "epoch")));
     add_fact(facts, "Recorded velocities",
              basis.velocity ? velocity_comparison_text(*basis.velocity)
                             : "too few were recorded to compare");
@@ -235,15 +191,14 @@ void add_basis(Block& facts, const ScreenedTable& table, std::size_t faults_show
     if (basis.device)
         add_fact(facts, "Signs of positions that were not measured",
                  device_signs_text(*basis.device));
-    add_time(facts, table, faults_shown);
-    if (basis.baseline)
-        add_fact(facts, "Other receiver", baseline_comparison_text(*basis.baseline));
 }
 
-}  // namespace
-
-std::int64_t time_stamp_faults(const TimeStampSummary& time) {
-    return std::max(time.gaps + time.duplicates + time.backward, std::ssize(time.faults));
+std::string baseline_text(const BaselineComparison& baseline) {
+    if (baseline.compared == 0) return "could not be compared: no epochs at the same time";
+    return fmt::format(
+        "“{}”: antennas {} m apart, standard deviation {} m over {}; contradicted at {}",
+        baseline.receiver, format_fixed(baseline.length_m, 3), format_fixed(baseline.sd_m, 3),
+        counted(baseline.compared, "epoch"), counted(baseline.rejected));
 }
 
 double longest_arc_s(const std::vector<ScreenedEpoch>& rows) {
@@ -256,6 +211,8 @@ double longest_arc_s(const std::vector<ScreenedEpoch>& rows) {
     return longest;
 }
 
+}  // namespace
+
 ElapsedTime last_time(const std::vector<ScreenedEpoch>& rows) {
     ElapsedTime last;
     for (const ScreenedEpoch& row : rows)
@@ -267,10 +224,25 @@ std::vector<Block> screening_blocks(const ScreenedTable& screened, Level level) 
     constexpr std::size_t faults_in_annex = 3;
     const ScreeningSummary summary = summarise(screened.rows);
     Block list = facts({});
-    add_fact(list, "Epochs used", used_text(screened, summary));
-    add_fact(list, "Decided by the tests", decisions_text(summary));
-    add_basis(list, screened,
-              level == Level::annex ? faults_in_annex : screened.basis.time.faults.size());
+    std::string used =
+        fmt::format("{} of {}", counted(summary.usable), counted(std::ssize(screened.rows)));
+    if (summary.arcs > 0)
+        used += fmt::format(
+            ", in {} of {} s",
+            summary.arcs == 1 ? "one arc," : fmt::format("{} arcs, the longest", summary.arcs),
+            format_fixed(longest_arc_s(screened.rows), 3));
+    add_fact(list, "Epochs used", used);
+    std::vector<std::string> decisions;
+    for (const auto& [hypothesis, count] : summary.decisions)
+        decisions.push_back(
+            fmt::format("{} at {}", tested_error_text(hypothesis), counted(count, "epoch")));
+    add_fact(list, "Decided by the tests",
+             decisions.empty() ? "nothing" : fmt::format("{}", fmt::join(decisions, "; ")));
+    add_basis(list, screened);
+    add_time(list, screened,
+             level == Level::annex ? faults_in_annex : screened.basis.time.faults.size());
+    if (const auto& baseline = screened.basis.baseline)
+        add_fact(list, "Other receiver", baseline_text(*baseline));
     Block counts = table({">Epochs|14", "Decision of screening|86"});
     for (const auto& [reason, count] : summary.reasons)
         add_row(counts,

@@ -107,21 +107,15 @@ std::string error_text(Rows rows) {
 
 /// The unit of the figure that a decision rests on; empty where that has none.
 std::string_view unit_of(const ScreenedEpoch& row) {
-    switch (row.reason) {
-        case Reason::accuracy_absurd:
-            return "m";
-        case Reason::backward_time:
-        case Reason::old_corrections:
-            return "s";
-        case Reason::short_arc:
-            return "epochs";
-        case Reason::physical_limit:
-            return row.hypothesis == Hypothesis::acceleration ? "m/s^2"
-                   : row.hypothesis == Hypothesis::jerk       ? "m/s^3"
-                                                              : "m/s";
-        default:
-            return {};
-    }
+    const auto of = [&](auto... reasons) { return ((row.reason == reasons) || ...); };
+    if (of(Reason::physical_limit))
+        return row.hypothesis == Hypothesis::acceleration ? "m/s^2"
+               : row.hypothesis == Hypothesis::jerk       ? "m/s^3"
+                                                          : "m/s";
+    return of(Reason::accuracy_absurd)                          ? "m"
+           : of(Reason::backward_time, Reason::old_corrections) ? "s"
+           : of(Reason::short_arc)                              ? "epochs"
+                                                                : "";
 }
 
 /// "; statistic 133.2, threshold 37.0"; empty where there is none.
@@ -163,10 +157,8 @@ std::string where_of(Rows rows) {
 /// What a test supposed, unless that is said already, and whether of heights.
 std::string supposed_text(const ScreenedEpoch& row, std::string_view said) {
     if (!row.hypothesis) return {};
-    return fmt::format("{}{}",
-                       to_text(*row.hypothesis) == said
-                           ? std::string()
-                           : fmt::format(": {}", words_of(*row.hypothesis)),
+    const bool is_said = to_text(*row.hypothesis) == said;
+    return fmt::format("{}{}{}", is_said ? "" : ": ", is_said ? "" : words_of(*row.hypothesis),
                        row.tested_axes == TestedAxes::vertical ? " (vertical)" : "");
 }
 
@@ -182,10 +174,8 @@ std::string along_track_text(Rows from) {
         way = fmt::format(", about {} m",
                           format_fixed(std::abs(*from[0].estimated.time_s) * way_m / time_s, 2));
     }
-    return fmt::format(
-        "; or the positions by as much along the track{}: at constant speed the two cannot be "
-        "separated",
-        way);
+    return "; or the positions by as much along the track" + way +
+           ": at constant speed the two cannot be separated";
 }
 
 /// Whether the test of a row is that of the break before it: what was not accepted has no estimate.
@@ -278,15 +268,15 @@ std::vector<Block> decision_blocks(const ScreenedTable& screened, bool all) {
     const Rows rows(screened.rows);
     std::int64_t used = 0;
     std::vector<std::string> entries;
+    const auto add_entry = [&](const char* before, Rows of, const std::string& text) {
+        entries.push_back(fmt::format("{}{}: {}", before, where_of(of), text));
+    };
     for (std::size_t at = 0; at < rows.size(); ++at) {
-        if (rows[at].break_before)
-            entries.push_back(
-                fmt::format("before {}: {}", where_of(rows.subspan(at, 1)), break_text(rows, at)));
+        const Rows one = rows.subspan(at, 1);
+        if (rows[at].break_before) add_entry("before ", one, break_text(rows, at));
         if (rows[at].usable) {
             ++used;
-            if (all)
-                entries.push_back(
-                    fmt::format("{}: {}", where_of(rows.subspan(at, 1)), used_text(rows[at])));
+            if (all) add_entry("", one, used_text(rows[at]));
             continue;
         }
         const std::size_t first = at;
@@ -294,7 +284,7 @@ std::vector<Block> decision_blocks(const ScreenedTable& screened, bool all) {
                same_decision(rows[at], rows[at + 1]))
             ++at;
         const Rows together = rows.subspan(first, at + 1 - first);
-        entries.push_back(fmt::format("{}: {}", where_of(together), left_out_text(together)));
+        add_entry("", together, left_out_text(together));
     }
     std::vector<Block> blocks{
         heading("Decisions"),

@@ -1,17 +1,48 @@
 #include <fmt/format.h>
 
-#include <algorithm>
-
-#include "core/rounding.h"
 #include "core/text.h"
 #include "reports/results/results.h"
 
 namespace runcert {
 namespace {
 
-std::string dimension_words(const Profile& profile) {
-    if (profile.dimension == Dimension::horizontal) return "Speed";
-    return capitalised(words_of(profile.dimension));
+constexpr SpeedDefinition definitions[] = {SpeedDefinition::displacement,
+                                           SpeedDefinition::path_length,
+                                           SpeedDefinition::mean_n_plus_1, SpeedDefinition::mean_n};
+
+/// One speed, to be shown in every unit.
+struct SpeedRow {
+    std::string label;
+    std::optional<double> speed_m_s;
+    SpeedKind kind = SpeedKind::measured;
+    bool counts = false;  ///< the one that the rule counts
+};
+
+/// A measured speed, named as the rule's where it is.
+SpeedRow measured(const std::string& label, std::optional<double> speed_m_s, bool counts) {
+    return {label + (counts ? " – the rule's" : ""), speed_m_s, SpeedKind::measured, counts};
+}
+
+/// Rows of one speed each, in every unit, the rule's own first, with the decimals of the figures on
+/// the first page. Rows without a speed are left out.
+Block speed_table(const std::string& title, const std::vector<SpeedRow>& rows,
+                  const RuleView& rule) {
+    std::vector<const SpeedUnit*> units{&rule.unit()};
+    for (const SpeedUnit& unit : speed_units())
+        if (unit.name != rule.unit().name) units.push_back(&unit);
+    std::vector<std::string> heads{""};
+    for (const SpeedUnit* unit : units)
+        heads.push_back(fmt::format(">{}|14", unit->name));
+    Block block = table(heads, title);
+    const ShownFigures shown = rule.shown();
+    for (const SpeedRow& row : rows) {
+        if (!row.speed_m_s) continue;
+        std::vector<std::string> cells{row.label};
+        for (const SpeedUnit* unit : units)
+            cells.push_back(shown_speed(row.kind, *row.speed_m_s, shown, *unit));
+        add_row(block, std::move(cells), row.counts ? "chosen" : "");
+    }
+    return block;
 }
 
 /// How many windows make the figure.
@@ -31,58 +62,41 @@ std::string ends_words(const Profile& profile) {
                                   : "";
 }
 
-void add_best_facts(Block& list, const RuleView& rule) {
-    const CertifiableWindow& best = *rule.best();
-    add_fact(list, "Distance between its ends", format_fixed(best.displacement_m, 3) + " m");
-    add_fact(list, "Position at its ends, 95 % radius",
-             format_fixed(best.position_r95_m, 3) + " m");
-    add_fact(list, "Windows compared", counted(rule.windows->candidates));
-    if (best.length_m)
-        add_fact(list, "Length that the speed is of", format_fixed(*best.length_m, 3) + " m");
-}
-
-/// The rule's speed where it is none of the four definitions; empty where it is one.
-std::string other_definition(const Profile& profile) {
-    if (profile.window_kind == WindowKind::course) return "Over the course";
+/// The rule's speed where it is none of the four definitions, and what it is of; else empty.
+std::pair<std::string, std::string> other_definition(const Profile& profile) {
+    if (profile.window_kind == WindowKind::course)
+        return {"Over the course",
+                "over the course, the surveyed length over the time between the lines"};
     if (profile.speed_source == SpeedSource::velocity)
-        return fmt::format("Recorded velocities, {}", words_of(profile.definition));
-    return {};
-}
-
-std::string definition_note(const RuleView& rule) {
-    if (rule.profile.window_kind == WindowKind::course)
-        return "None of the four definitions is the rule's: its speed is over the course, the "
-               "surveyed length over the time between the lines. They are of the smoothed "
-               "trajectory.";
-    if (rule.profile.speed_source == SpeedSource::velocity)
-        return "None of the four definitions is the rule's: its speed is of the velocities that "
-               "the recording states. They are of the smoothed trajectory.";
-    const CertifiableWindow& best = *rule.best();
-    if (best.estimates && best.selection &&
-        best.selection->treatment == SelectionTreatment::subtracted)
-        return "These figures are of the smoothed trajectory. The measured speed is the rule's, "
-               "less what choosing the fastest window makes it look higher by.";
+        return {fmt::format("Recorded velocities, {}", words_of(profile.definition)),
+                "of the velocities that the recording states"};
     return {};
 }
 
 void add_definitions(std::vector<Block>& blocks, const RuleView& rule) {
     const CertifiableWindow& best = *rule.best();
     std::vector<SpeedRow> rows;
-    const std::string other = other_definition(rule.profile);
-    if (!other.empty())
-        rows.push_back({other + " – the rule's", best.speed_m_s, SpeedKind::measured, true});
-    for (const SpeedDefinition name : {SpeedDefinition::displacement, SpeedDefinition::path_length,
-                                       SpeedDefinition::mean_n_plus_1, SpeedDefinition::mean_n}) {
-        const bool counts = other.empty() && name == rule.profile.definition;
-        rows.push_back({capitalised(words_of(name)) + (counts ? " – the rule's" : ""),
-                        speed_by(best.definitions, name), SpeedKind::measured, counts});
-    }
+    const auto [other, of] = other_definition(rule.profile);
+    if (!other.empty()) rows.push_back(measured(other, best.speed_m_s, true));
+    for (const SpeedDefinition name : definitions)
+        rows.push_back(measured(capitalised(words_of(name)), speed_by(best.definitions, name),
+                                other.empty() && name == rule.profile.definition));
     if (!best.fitted)
         rows.push_back(
             {"Standard uncertainty", best.standard_uncertainty_m_s, SpeedKind::uncertainty});
     blocks.push_back(speed_table("By definition of speed", rows, rule));
-    if (std::string note = definition_note(rule); !note.empty())
-        blocks.push_back(paragraph(std::move(note), "note"));
+    if (!other.empty())
+        blocks.push_back(paragraph(
+            fmt::format("None of the four definitions is the rule's: its speed is {}. They are of "
+                        "the smoothed trajectory.",
+                        of),
+            "note"));
+    else if (best.estimates && best.selection &&
+             best.selection->treatment == SelectionTreatment::subtracted)
+        blocks.push_back(
+            paragraph("These figures are of the smoothed trajectory. The measured speed is the "
+                      "rule's, less what choosing the fastest window makes it look higher by.",
+                      "note"));
     blocks.push_back(speed_table("Mean over the window, by method",
                                  {{"Smoother, forward and backward", best.methods.smoothed_m_s},
                                   {"Batch least squares", best.methods.batch_m_s},
@@ -92,54 +106,81 @@ void add_definitions(std::vector<Block>& blocks, const RuleView& rule) {
                                  rule));
 }
 
-std::string window_label(const WindowSpan& span) {
-    return fmt::format("{} from {}", seconds_text(span.duration), seconds_text(span.start));
-}
-
-/// The windows that make the figure together with the best one.
-void add_further(std::vector<Block>& blocks, const RuleView& rule) {
-    const ProfileWindows& windows = *rule.windows;
-    if (windows.further.empty()) return;
+/// Speeds of antenna and reference point, where an IMU tells both; the windows that make the figure
+/// together, where it is of several.
+std::vector<Block> points_and_further_blocks(const RuleView& rule) {
+    std::vector<Block> blocks;
     const CertifiableWindow& best = *rule.best();
-    std::vector<SpeedRow> rows{{window_label(best.span), best.speed_m_s}};
-    for (const FurtherWindow& further : windows.further)
-        rows.push_back({window_label(further.span), further.speed_m_s});
-    if (const auto figure = figure_of(windows))
+    if (const CraftSpeeds& points = best.points; points.antenna_speed_m_s) {
+        const bool of_craft = rule.profile.speed_of == SpeedOf::reference_point;
+        blocks.push_back(speed_table(
+            "At two points of the craft",
+            {measured("The antenna", points.antenna_speed_m_s, !of_craft),
+             measured("The craft's reference point", points.reference_point_speed_m_s, of_craft),
+             {"Expanded uncertainty of the latter (k = 2)",
+              points.reference_point_expanded_uncertainty_m_s, SpeedKind::uncertainty}},
+            rule));
+        if (!points.reference_point_speed_m_s)
+            blocks.push_back(
+                paragraph("The craft's own speed is not known: IMU and positions do not agree, or "
+                          "only one of the two covers the window.",
+                          "note"));
+    }
+    if (rule.windows->further.empty()) return blocks;
+    const auto label = [](const WindowSpan& span) {
+        return fmt::format("{} from {}", seconds_text(span.duration), seconds_text(span.start));
+    };
+    std::vector<SpeedRow> rows{{label(best.span), best.speed_m_s}};
+    for (const FurtherWindow& further : rule.windows->further)
+        rows.push_back({label(further.span), further.speed_m_s});
+    if (const auto figure = figure_of(*rule.windows))
         rows.push_back({fmt::format("Mean of the {}", rows.size()), figure->speed_m_s,
                         SpeedKind::measured, true});
     blocks.push_back(speed_table("Windows that make the figure", rows, rule));
-}
-
-/// The speeds of antenna and reference point, where an IMU tells both.
-void add_points(std::vector<Block>& blocks, const RuleView& rule) {
-    const CraftSpeeds& points = rule.best()->points;
-    if (!points.antenna_speed_m_s) return;
-    const bool of_craft = rule.profile.speed_of == SpeedOf::reference_point;
-    const auto label = [](const char* point, bool counts) {
-        return fmt::format("{}{}", point, counts ? " – the rule's" : "");
-    };
-    blocks.push_back(
-        speed_table("At two points of the craft",
-                    {{label("The antenna", !of_craft), *points.antenna_speed_m_s,
-                      SpeedKind::measured, !of_craft},
-                     {label("The craft's reference point", of_craft),
-                      points.reference_point_speed_m_s, SpeedKind::measured, of_craft},
-                     {"Expanded uncertainty of the latter (k = 2)",
-                      points.reference_point_expanded_uncertainty_m_s, SpeedKind::uncertainty}},
-                    rule));
-    if (!points.reference_point_speed_m_s)
-        blocks.push_back(
-            paragraph("The craft's own speed is not known: IMU and positions do not "
-                      "agree, or only one of the two covers the window.",
-                      "note"));
+    return blocks;
 }
 
 }  // namespace
 
+const SpeedUnit& RuleView::unit() const {
+    return speed_unit(verdict.shown ? verdict.shown->unit : rule_unit_name(profile));
+}
+
+const CertifiableWindow* RuleView::best() const {
+    return windows != nullptr && windows->best ? &*windows->best : nullptr;
+}
+
+std::string RuleView::titled(const std::string& title) const {
+    return several ? fmt::format("{}: rule “{}”", title, verdict.profile) : title;
+}
+
+std::string RuleView::uncertainty_text(double uncertainty_m_s) const {
+    return fmt::format("{} {}", runcert::uncertainty_text(uncertainty_m_s * unit().per_m_s),
+                       unit().name);
+}
+
+ShownFigures RuleView::shown() const {
+    if (verdict.speed_m_s) return shown_of(verdict, unit().name);
+    if (best() != nullptr)
+        return shown_in({.speed_m_s = best()->speed_m_s,
+                         .expanded_uncertainty_m_s =
+                             expanded_uncertainty_m_s(*best(), verdict.coverage_factor)},
+                        unit());
+    ShownFigures figures{.unit = std::string(unit().name)};
+    const auto& rounding = profile.result ? profile.result : profile.rounding;
+    if (verdict.required_speed_m_s)
+        figures.required_speed =
+            shown_speed(SpeedKind::required, *verdict.required_speed_m_s,
+                        rounding ? static_cast<int>(rounding->decimals) : unit().decimals, unit());
+    return figures;
+}
+
 std::string rule_words(const Profile& profile) {
     const bool recorded = profile.speed_source == SpeedSource::velocity;
     return fmt::format(
-        "{}{} over {}{}, by the definition: {}{}.{}{}", dimension_words(profile),
+        "{}{} over {}{}, by the definition: {}{}.{}{}",
+        profile.dimension == Dimension::horizontal ? "Speed"
+                                                   : capitalised(words_of(profile.dimension)),
         profile.speed_of ? fmt::format(" of {}", words_of(*profile.speed_of)) : "",
         window_words(profile), count_words(profile), capitalised(words_of(profile.definition)),
         recorded ? ", from the velocities that the recording states" : "", ends_words(profile),
@@ -151,11 +192,10 @@ std::string rule_words(const Profile& profile) {
 Block span_facts(const WindowSpan& span) {
     Block list = facts({});
     const ElapsedTime end{span.start.nanoseconds + span.duration.nanoseconds};
-    if (span.start_gps) {
-        const GpsTime last = span.start_gps->plus_nanoseconds(span.duration.nanoseconds);
-        add_fact(list, "UTC", fmt::format("{} to {}", utc_text(*span.start_gps), utc_text(last)));
-        add_fact(list, "GPS time",
-                 fmt::format("{} to {}", gps_text(*span.start_gps), gps_text(last)));
+    if (const auto& start = span.start_gps) {
+        const GpsTime last = start->plus_nanoseconds(span.duration.nanoseconds);
+        add_fact(list, "UTC", fmt::format("{} to {}", utc_text(*start), utc_text(last)));
+        add_fact(list, "GPS time", fmt::format("{} to {}", gps_text(*start), gps_text(last)));
     } else {
         add_fact(list, "UTC", "not known: the recording's time is relative");
     }
@@ -168,30 +208,28 @@ Block span_facts(const WindowSpan& span) {
 
 Block result_table(const RuleView& rule) {
     const ProfileVerdict& verdict = rule.verdict;
-    const auto& uncertainty = verdict.expanded_uncertainty_m_s;
-    std::optional<double> acceptance;
-    if (verdict.decision) acceptance = verdict.decision->acceptance_limit_m_s;
-    return speed_table(
-        "Result",
-        {{"Measured speed", verdict.speed_m_s, SpeedKind::measured, true},
-         {fmt::format("Expanded uncertainty (k = {})", coverage_text(verdict.coverage_factor)),
-          uncertainty, SpeedKind::uncertainty},
-         {"Acceptance limit", acceptance, SpeedKind::limit},
-         {"Required speed", verdict.required_speed_m_s, SpeedKind::required}},
-        rule);
-}
-
-std::vector<Block> points_and_further_blocks(const RuleView& rule) {
-    std::vector<Block> blocks;
-    add_points(blocks, rule);
-    add_further(blocks, rule);
-    return blocks;
+    std::vector<SpeedRow> rows{
+        {"Measured speed", verdict.speed_m_s, SpeedKind::measured, true},
+        {fmt::format("Expanded uncertainty (k = {})", coverage_text(verdict.coverage_factor)),
+         verdict.expanded_uncertainty_m_s, SpeedKind::uncertainty}};
+    if (verdict.decision)
+        rows.push_back(
+            {"Acceptance limit", verdict.decision->acceptance_limit_m_s, SpeedKind::limit});
+    rows.push_back({"Required speed", verdict.required_speed_m_s, SpeedKind::required});
+    return speed_table("Result", rows, rule);
 }
 
 std::vector<Block> window_blocks(const RuleView& rule, const WindowSpan& span) {
     std::vector<Block> blocks{span_facts(span)};
     if (rule.best() == nullptr) return blocks;
-    add_best_facts(blocks.back(), rule);
+    const CertifiableWindow& best = *rule.best();
+    Block& list = blocks.back();
+    add_fact(list, "Distance between its ends", format_fixed(best.displacement_m, 3) + " m");
+    add_fact(list, "Position at its ends, 95 % radius",
+             format_fixed(best.position_r95_m, 3) + " m");
+    add_fact(list, "Windows compared", counted(rule.windows->candidates));
+    if (best.length_m)
+        add_fact(list, "Length that the speed is of", format_fixed(*best.length_m, 3) + " m");
     add_definitions(blocks, rule);
     add(blocks, points_and_further_blocks(rule));
     return blocks;
@@ -205,6 +243,43 @@ std::vector<Block> refused_blocks(const RuleView& rule) {
         paragraph(fmt::format("The raw positions show {} in this window. It is not certified:",
                               speed_beside(rule.verdict, indicated->speed_m_s, rule.unit().name))),
         list_of(indicated->refusals), span_facts(indicated->span)};
+}
+
+std::vector<Block> windows_of_all(const std::vector<RuleView>& rules) {
+    Block spans = table({"Rule|26", "Begins (UTC, or from the first epoch)|27", ">Length|13",
+                         ">Ends apart|13", ">95 % radius|10", ">Compared|11"},
+                        "Windows", "small");
+    Block speeds = table({"Rule|26", "Unit|8", ">The rule's|14", ">Displacement|14",
+                          ">Path length|13", ">Mean, both ends|13", ">Mean after the first|12"},
+                         "Speed by each definition", "small");
+    Block own = facts({}, "By each rule's own arithmetic", "narrow");
+    std::vector<Block> further;
+    for (const RuleView& rule : rules) {
+        const std::string& id = rule.profile.id;
+        add_fact(own, id, own_arithmetic_text(rule.verdict.own_arithmetic));
+        if (rule.best() == nullptr) continue;
+        const CertifiableWindow& best = *rule.best();
+        const SpeedUnit& unit = rule.unit();
+        add_row(spans,
+                {id,
+                 best.span.start_gps ? to_utc_iso(*best.span.start_gps, 3)
+                                     : seconds_text(best.span.start),
+                 seconds_text(best.span.duration), format_fixed(best.displacement_m, 3) + " m",
+                 format_fixed(best.position_r95_m, 3) + " m", counted(rule.windows->candidates)});
+        const auto shown = [&, figures = rule.shown()](double speed_m_s) {
+            return shown_speed(SpeedKind::measured, speed_m_s, figures, unit);
+        };
+        TableRow& row = add_row(speeds, {id, std::string(unit.name), shown(best.speed_m_s)});
+        for (const SpeedDefinition name : definitions)
+            row.cells.push_back(shown(speed_by(best.definitions, name)));
+        if (std::vector<Block> more = points_and_further_blocks(rule); !more.empty()) {
+            further.push_back(heading(rule.titled("Window")));
+            add(further, std::move(more));
+        }
+    }
+    std::vector<Block> blocks{std::move(spans), std::move(speeds), std::move(own)};
+    add(blocks, std::move(further));
+    return blocks;
 }
 
 }  // namespace runcert

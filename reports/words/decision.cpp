@@ -9,18 +9,13 @@
 
 namespace runcert {
 
-std::optional<double> guard_band_m_s(const ProfileVerdict& verdict) {
-    if (!verdict.decision || !verdict.required_speed_m_s) return std::nullopt;
-    return std::max(0.0, verdict.decision->acceptance_limit_m_s - *verdict.required_speed_m_s);
-}
-
 std::string guard_band_figure(const ProfileVerdict& verdict, const SpeedUnit& unit) {
-    const auto guard_m_s = guard_band_m_s(verdict);
-    if (!guard_m_s) return {};
-    if (!verdict.speed_m_s) return uncertainty_rounded_up(*guard_m_s * unit.per_m_s);
-    const ShownFigures shown = shown_of(verdict, unit.name);
+    if (!verdict.decision || !verdict.required_speed_m_s) return {};
     const double required_m_s = *verdict.required_speed_m_s;
-    return shown_difference(shown_speed(SpeedKind::limit, required_m_s + *guard_m_s, shown, unit),
+    const double guard_m_s = std::max(0.0, verdict.decision->acceptance_limit_m_s - required_m_s);
+    if (!verdict.speed_m_s) return uncertainty_rounded_up(guard_m_s * unit.per_m_s);
+    const ShownFigures shown = shown_of(verdict, unit.name);
+    return shown_difference(shown_speed(SpeedKind::limit, required_m_s + guard_m_s, shown, unit),
                             shown_speed(SpeedKind::required, required_m_s, shown, unit));
 }
 
@@ -36,19 +31,15 @@ std::string risk_text(const ProfileVerdict& verdict) {
         verdict.outcome == Outcome::not_certifiable || verdict.outcome == Outcome::not_proven)
         return {};
     const std::string risk = probability_text(*verdict.decision->risk);
-    const bool same = risk == probability_text(verdict.decision->probability);
-    return verdict.outcome == Outcome::beaten
-               ? fmt::format(
-                     "of false acceptance: {} (that the true speed is below the "
-                     "required speed).",
-                     risk)
-               : fmt::format(
-                     "of false rejection: {} (that the true speed reaches the "
-                     "required speed).{}",
-                     risk,
-                     same ? ""
-                          : " It counts errors that nothing found for the craft; the conformance "
-                            "probability counts them against it.");
+    if (verdict.outcome == Outcome::beaten)
+        return fmt::format(
+            "of false acceptance: {} (that the true speed is below the required speed).", risk);
+    return fmt::format("of false rejection: {} (that the true speed reaches the required speed).{}",
+                       risk,
+                       risk == probability_text(verdict.decision->probability)
+                           ? ""
+                           : " It counts errors that nothing found for the craft; the conformance "
+                             "probability counts them against it.");
 }
 
 std::string record_text(const RecordToBeat& record) {
@@ -58,19 +49,6 @@ std::string record_text(const RecordToBeat& record) {
             ? fmt::format(" ± {} (k = 2)", number_text(*record.expanded_uncertainty, record.unit))
             : "",
         claimed(record.source));
-}
-
-std::string conformance_text(const Decision& decision) {
-    return fmt::format("{} (at least {} required)", probability_text(decision.probability),
-                       level_text(decision.level));
-}
-
-std::string requirement_counts(const ProfileVerdict& verdict) {
-    const auto count = [&](RequirementStatus status) {
-        return std::ranges::count(verdict.requirements, status, &Requirement::status);
-    };
-    return fmt::format("{} met, {} not met, {} to be attested", count(RequirementStatus::met),
-                       count(RequirementStatus::not_met), count(RequirementStatus::attest));
 }
 
 std::string decision_rule_text(const Profile& profile, const ProfileVerdict& verdict) {
@@ -88,14 +66,14 @@ std::string decision_rule_text(const Profile& profile, const ProfileVerdict& ver
 }
 
 std::string silent_rule_text(const Profile& profile) {
-    const bool says =
-        profile.written["decision"].exists() || profile.margin_above == MarginBase::upper_limit;
-    if (says) return {};
-    return std::string(profile.accuracy_limit_m_s
-                           ? "The rule's limit of the expanded uncertainty is no guard band. "
-                           : "") +
-           "The rule does not say how uncertainty counts in the decision. Read literally, that is "
-           "simple acceptance, with w = 0: this program asks for more.";
+    if (profile.written["decision"].exists() || profile.margin_above == MarginBase::upper_limit)
+        return {};
+    return fmt::format(
+        "{}The rule does not say how uncertainty counts in the decision. Read literally, that is "
+        "simple acceptance, with w = 0: this program asks for more.",
+        profile.accuracy_limit_m_s
+            ? "The rule's limit of the expanded uncertainty is no guard band. "
+            : "");
 }
 
 }  // namespace runcert

@@ -1,8 +1,6 @@
 #pragma once
 
-#include <optional>
 #include <string>
-#include <vector>
 
 #include "schemas/profile/profile.h"
 #include "schemas/verdict/figures.h"
@@ -11,12 +9,8 @@
 
 namespace runcert {
 
-/// The guard band w in m/s: acceptance limit less required speed ([JCGM106] 8.3). Empty where
-/// nothing was decided.
-std::optional<double> guard_band_m_s(const ProfileVerdict& verdict);
-
-/// The same as it is shown in a unit, without it: what lies between the two as they are shown
-/// beside the measured speed. Empty where nothing was decided.
+/// The guard band w in a unit, without it: acceptance limit less required speed ([JCGM106] 8.3), as
+/// the two are shown beside the measured speed. Empty where nothing was decided.
 std::string guard_band_figure(const ProfileVerdict& verdict, const SpeedUnit& unit);
 
 /// "w = 0.17 km/h (acceptance limit less required speed)."; empty where there is none.
@@ -29,12 +23,6 @@ std::string risk_text(const ProfileVerdict& verdict);
 
 /// "202.9 km/h ± 0.1 km/h (k = 2): its source".
 std::string record_text(const RecordToBeat& record);
-
-/// "99.7 % (at least 97.5 % required)".
-std::string conformance_text(const Decision& decision);
-
-/// "6 met, 0 not met, 5 to be attested": a verdict's requirements by their state.
-std::string requirement_counts(const ProfileVerdict& verdict);
 
 /// From which probability on the speed counts as beaten, and as not beaten; and what it means that
 /// a rule does not say so.

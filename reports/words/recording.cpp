@@ -1,7 +1,6 @@
 #include "reports/words/recording.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "core/prose.h"
 #include "core/speed_unit.h"
@@ -10,14 +9,12 @@
 
 namespace runcert {
 std::vector<std::string> phase_sentences(const ScreenedPhaseTable& phases) {
-    std::vector<std::string> sentences;
-    std::string slips = fmt::format("Carrier phases: {} in {} of epochs",
-                                    phases.slips == 0 ? "no slip" : counted(phases.slips, "slip"),
-                                    counted(phases.pairs, "pair"));
-    if (phases.repaired > 0) slips += fmt::format(", {} of them repaired", phases.repaired);
-    slips +=
-        fmt::format("; noise {} mm at the zenith.", format_fixed(phases.noise.white_m * 1e3, 1));
-    sentences.push_back(std::move(slips));
+    std::vector<std::string> sentences{fmt::format(
+        "Carrier phases: {} in {} of epochs{}; noise {} mm at the zenith.",
+        phases.slips == 0 ? "no slip" : counted(phases.slips, "slip"),
+        counted(phases.pairs, "pair"),
+        phases.repaired > 0 ? fmt::format(", {} of them repaired", phases.repaired) : "",
+        format_fixed(phases.noise.white_m * 1e3, 1))};
     if (phases.refusals > 0)
         sentences.push_back(fmt::format("{} of epochs could not be judged, and end every arc.",
                                         counted(phases.refusals, "pair")));
@@ -55,7 +52,7 @@ std::string phase_window_sentence(const WitnessedSpeed& phases) {
         format_fixed(phases.apart_m, 3),
         phases.apart_azimuth_deg ? fmt::format(", towards {} degrees from north",
                                                format_fixed(*phases.apart_azimuth_deg, 0))
-                                 : std::string());
+                                 : "");
 }
 
 }  // namespace runcert

@@ -12,7 +12,6 @@
 #include "core/prose.h"
 #include "core/text.h"
 #include "reports/document/document_text.h"
-#include "reports/explain/parts.h"
 #include "schemas/verdict/outcome.h"
 
 namespace runcert::RUNCERT_FILE {

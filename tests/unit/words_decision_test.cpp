@@ -25,7 +25,7 @@ TEST(WordsOfTheDecision, TheGuardBandIsWhatTheAcceptanceLimitAdds) {
     EXPECT_EQ(guard_band_text(verdict, speed_unit("km/h")), "");
     verdict = decided(Outcome::beaten, 0.0);
     verdict.decision.reset();
-    EXPECT_FALSE(guard_band_m_s(verdict));
+    EXPECT_EQ(guard_band_figure(verdict, speed_unit("km/h")), "");
 }
 
 TEST(WordsOfTheDecision, TheRiskIsOfFalseAcceptanceOrOfFalseRejection) {

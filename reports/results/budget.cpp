@@ -67,9 +67,9 @@ void add_source(Block& block, const BudgetRow& row, double variance, const RuleV
 Block budget_table(const RuleView& rule) {
     const CertifiableWindow& window = *rule.best();
     Block block =
-        table({"|4", "Source|21", ">Estimate|10", ">Standard uncertainty|13",
-               "Type, distribution|12", ">Degrees of freedom|9", ">Sensitivity|10",
-               fmt::format(">Contribution, {}|13", rule.unit().name), ">Share of variance|8"},
+        table({"|4", "Source|16", ">Estimate|10", ">Standard uncertainty|12",
+               "Type, distribution|12", ">Degrees of freedom|9", ">Sensitivity|13",
+               fmt::format(">Contribution, {}|14", rule.unit().name), ">Share of variance|10"},
               "Budget", "small");
     double variance = 0.0;
     for (const BudgetRow& row : window.budget)
@@ -128,13 +128,18 @@ std::vector<Block> budgets_of_all(const std::vector<RuleView>& rules) {
     std::ranges::copy_if(rules, std::back_inserter(certified), &RuleView::best);
     if (certified.empty()) return {};
     constexpr std::size_t of_sources = 30;
+    const bool of_one_unit = std::ranges::all_of(certified, [&](const RuleView& rule) {
+        return rule.unit().name == certified.front().unit().name;
+    });
+    const auto unit_of = [](const RuleView& rule) { return fmt::format(", {}", rule.unit().name); };
     std::vector<std::string> heads{
-        fmt::format("Contribution to the standard uncertainty|{}", of_sources)};
+        fmt::format("Contribution to the standard uncertainty{}|{}",
+                    of_one_unit ? unit_of(certified.front()) : "", of_sources)};
     std::vector<std::string> sources;
     Block legend = facts({}, "Budgets", "narrow");
     for (const RuleView& rule : certified) {
         const std::string name = fmt::format("Rule {}", heads.size());
-        heads.push_back(fmt::format(">{}, {}|{}", name, rule.unit().name,
+        heads.push_back(fmt::format(">{}{}|{}", name, of_one_unit ? "" : unit_of(rule),
                                     (100 - of_sources) / certified.size()));
         add_fact(legend, name,
                  fmt::format("{}: {}", rule.profile.id,

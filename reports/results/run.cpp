@@ -47,8 +47,8 @@ Block runs_table(const std::vector<RuleView>& rules, bool named) {
     std::vector<std::string> names;
     for (const RuleView& rule : rules)
         names.push_back(quoted(rule));
-    Block block = table({">Run|7", ">Begins at|12", ">Time|12", ">Path|12", ">Largest speed|16",
-                         ">Direction|12", "How it begins and ends|29"},
+    Block block = table({">Run|7", ">Begins at|12", ">Time|12", ">Path|12", ">Largest speed|15",
+                         ">Direction|14", "How it begins and ends|28"},
                         "Runs of the craft" + (named ? ": rule " + listed(names) : ""));
     for (const RunSummary& run : rules.front().verdict.runs) {
         std::vector<std::string> holds;

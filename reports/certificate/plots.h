@@ -55,6 +55,15 @@ void add_values(Curve& curve, Range& range, const std::vector<ViewedValue>& valu
 void add_required_speed(Plot& plot, Range& speeds, const RuleView& rule);
 /// Of many rows every n-th is drawn, so that no more than about so many are.
 std::size_t thinning(std::size_t rows, std::size_t most = 1000);
+/// So many of some rows as a plot around a window can show.
+template <typename Row>
+std::vector<const Row*> thinned(const std::vector<const Row*>& rows) {
+    constexpr std::size_t most = 400;
+    std::vector<const Row*> some;
+    for (std::size_t i = 0; i < rows.size(); i += thinning(rows.size(), most))
+        some.push_back(rows[i]);
+    return some;
+}
 /// " One epoch in 20 is drawn."; empty where all are.
 std::string thinning_words(std::size_t every);
 

@@ -21,26 +21,18 @@ Known attitudes_around(const AttitudeTable& table, std::pair<double, double> spa
     for (const AttitudeEpoch& row : table.rows)
         if (row.roll_deg && row.time.seconds() >= span.first && row.time.seconds() <= span.second)
             all.push_back(&row);
-    constexpr std::size_t points_of_an_attitude = 400;
-    const std::size_t every = thinning(all.size(), points_of_an_attitude);
-    Known rows;
-    for (std::size_t i = 0; i < all.size(); i += every)
-        rows.push_back(all[i]);
-    return rows;
+    return thinned(all);
 }
 
 /// A figure over the time around the window, of curves with these values.
 Plot over_time(Plot plot, const WindowSpan& window, const Range& values,
                std::initializer_list<Curve> curves) {
-    Range times;
     const auto span = around(window);
-    times.widen(span.first);
-    times.widen(span.second);
     for (const Curve& curve : curves)
         plot.add(curve);
     plot.x_label = time_label;
     plot.spans = {window_span(window)};
-    plot.set_axes(times, values);
+    plot.set_axes({span.first, span.second}, values);
     return plot;
 }
 

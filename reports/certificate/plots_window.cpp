@@ -27,12 +27,7 @@ Rows rows_around(const TrajectoryTable& table, std::pair<double, double> span) {
         if (row.arc && row.speed_m_s && row.time.seconds() >= span.first &&
             row.time.seconds() <= span.second)
             rows.push_back(&row);
-    constexpr std::size_t points_of_a_window = 400;
-    const std::size_t every = thinning(rows.size(), points_of_a_window);
-    Rows thinned;
-    for (std::size_t i = 0; i < rows.size(); i += every)
-        thinned.push_back(rows[i]);
-    return thinned;
+    return thinned(rows);
 }
 
 /// A method's speeds; those of the forward filter, far off where it begins, leave the range alone.
@@ -180,9 +175,7 @@ Plots result_plot(const ReportInputs& inputs) {
               .x_label = time_label,
               .y_label = fmt::format("{} ({})", quantity, rule.unit().name)};
     Curve curve{"smoothed speed", "line", "blue"}, angle{"dive angle (°)", "dashed", "green"};
-    Range times, speeds;
-    for (const double time_s : {span.first, span.second})
-        times.widen(time_s);
+    Range speeds;
     for (const TrajectoryEpoch* row : rows_around(inputs.receivers.front().trajectory, span)) {
         const auto speed = speed_in(*row, dimension);
         if (!speed) continue;
@@ -200,7 +193,7 @@ Plots result_plot(const ReportInputs& inputs) {
         level.name = "required speed";
     for (PlotSpan& one : plot.spans = window_spans({rule}))
         one.name.erase(std::min(one.name.find(','), one.name.size()));
-    plot.set_axes(times, speeds);
+    plot.set_axes({span.first, span.second}, speeds);
     return {std::move(plot)};
 }
 
@@ -218,14 +211,12 @@ Plots window_plot(const ReportInputs& inputs, const RuleView& rule) {
               .spans = {window_span(*rule.verdict.window)}};
     if (!is_horizontal(rule))
         plot.caption += " The rule counts another than the horizontal speed, which is not drawn.";
-    Range times, speeds;
-    for (const double time_s : {span.first, span.second})
-        times.widen(time_s);
+    Range speeds;
     add_methods(plot, speeds, rows_around(inputs.receivers.front().trajectory, span), unit);
     if (has_phases) add_phase_speed(plot, speeds, *inputs.phase_view, unit, span);
     if (is_horizontal(rule)) add_counting_speeds(plot, speeds, rule);
     if (plot.curves.empty()) return {};
-    plot.set_axes(times, speeds);
+    plot.set_axes({span.first, span.second}, speeds);
     return {std::move(plot)};
 }
 

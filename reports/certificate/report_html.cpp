@@ -106,8 +106,7 @@ std::string content_of(const std::string& report_text_bytes, const Json& report,
     if (first_page_alone)
         document["sections"].erase(document["sections"].begin() + 1, document["sections"].end());
     fill_slots(document, answered.value("slots", Json::object()));
-    draw_plots(document, read_plots(predicate["figures"], "report.json"),
-               medium == Medium::paper ? DrawnAs::image : DrawnAs::element);
+    draw_plots(document, read_plots(predicate["figures"], "report.json"));
     const std::string sha256 = sha256_hex(report_text_bytes);
     Json beside{{"signed", !signatures.empty()}, {"signers", signers_json(signatures)}};
     beside["missing_signatures"] = missing_signatures_json(predicate, beside["signers"]);

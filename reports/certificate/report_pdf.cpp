@@ -1,9 +1,12 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "core/failure.h"
 #include "core/text.h"
 #include "reports/certificate/report_run.h"
 #include "store/atomic_file.h"
+#include "store/base64.h"
 #include "store/external_program.h"
 
 namespace runcert {
@@ -21,12 +24,51 @@ std::string without_dates(std::string pdf) {
     return pdf;
 }
 
+/// Whether a text holds nothing that is written from right to left, which begins with other bytes
+/// of UTF-8 than Latin, Greek, Cyrillic and punctuation.
+bool runs_to_the_right(std::string_view text) {
+    return std::ranges::none_of(text, [](char c) {
+        const auto byte = static_cast<unsigned char>(c);
+        return byte >= 0xD6 && byte != 0xE2;
+    });
+}
+
+/// The page without what costs WeasyPrint a quarter of its time: blanks between lines of tags, the
+/// isolation of texts that need none, and drawings as elements that every rule of style is tried
+/// on.
+std::string lightened(std::string_view html) {
+    constexpr std::string_view begin = "<bdi>", end = "</bdi>", drawing = "<svg xmlns=";
+    std::string light;
+    while (!html.empty()) {
+        std::size_t taken = 1;
+        if (html.starts_with(">\n")) {
+            taken = std::min(html.find_first_not_of(" \n", 1), html.size());
+            light += taken < html.size() && html[taken] == '<' ? ">" : ">\n";
+        } else if (const std::size_t close = html.starts_with(begin) ? html.find(end) : html.npos;
+                   close != html.npos &&
+                   runs_to_the_right(html.substr(begin.size(), close - begin.size()))) {
+            light += html.substr(begin.size(), close - begin.size());
+            taken = close + end.size();
+        } else if (html.starts_with(drawing)) {
+            taken = html.find("</svg>") + 6;
+            const std::size_t label = html.find("aria-label=\"") + 12;
+            light += fmt::format("<img alt=\"{}\" src=\"data:image/svg+xml;base64,{}\"/>",
+                                 html.substr(label, html.find('"', label) - label),
+                                 base64(std::string(html.substr(0, taken))));
+        } else {
+            light += html.front();
+        }
+        html.remove_prefix(taken);
+    }
+    return light;
+}
+
 }  // namespace
 
 std::string report_pdf(const std::string& html, const std::string& report_text) {
     const TemporaryFolder folder;
     const std::filesystem::path pdf = folder.path() / "report.pdf";
-    write_file_atomically(folder.path() / "report.html", html);
+    write_file_atomically(folder.path() / "report.html", lightened(html));
     write_file_atomically(folder.path() / "report.json", report_text);
     // Tagged, for those who have it read to them: WeasyPrint 57 takes one variant of PDF, so that
     // PDF/A, for archives, is not to be had beside it. It writes the time of making into the file

@@ -51,38 +51,6 @@ std::string escaped(const std::string& text, const WordPieces& pieces) {
     return out;
 }
 
-/// Whether a text holds nothing that is written from right to left, nor a mark of direction, all of
-/// which begin with other bytes of UTF-8 than Latin, Greek, Cyrillic and punctuation.
-bool runs_to_the_right(std::string_view text) {
-    return std::ranges::none_of(text, [](char c) {
-        const auto byte = static_cast<unsigned char>(c);
-        return byte >= 0xD6 && byte != 0xE2;
-    });
-}
-
-/// A page with what costs WeasyPrint a fifth of its time left out: white space between lines of
-/// tags, and the isolation of texts that need none.
-std::string lightened(std::string html) {
-    constexpr std::string_view begin = "<bdi>", end = "</bdi>";
-    std::string light;
-    for (std::size_t at = 0; at < html.size();) {
-        const std::string_view rest = std::string_view(html).substr(at);
-        if (rest.starts_with(">\n")) {
-            const std::size_t next = html.find_first_not_of(" \n", at + 1);
-            light += next < html.size() && html[next] == '<' ? ">" : ">\n";
-            at = std::min(next, html.size());
-        } else if (const std::size_t close = rest.starts_with(begin) ? rest.find(end) : rest.npos;
-                   close != rest.npos &&
-                   runs_to_the_right(rest.substr(begin.size(), close - begin.size()))) {
-            light += rest.substr(begin.size(), close - begin.size());
-            at += close + end.size();
-        } else {
-            light += html[at++];
-        }
-    }
-    return light;
-}
-
 /// Makes a link of the file that a fact or a row names.
 void make_link(Json& of) {
     if (of.contains("link")) of["link"] = link_to(of.at("link").get<std::string>());
@@ -178,7 +146,7 @@ std::string rendered(std::string_view text, const TemplateData& data, Medium med
     if (!page.is_valid())
         throw Failure("a template of a page", page.error_message(),
                       "This is a fault of the program; please report it");
-    return medium == Medium::paper ? lightened(std::move(html)) : html;
+    return html;
 }
 
 Json shown_sections(const Json& document) {

@@ -60,9 +60,10 @@ constexpr double flattest = 0.25, highest = 0.62;
 
 void lay_rows(PlotAxes& axes, const Plot& plot, const DrawingSize& size) {
     double width = 0.0;
-    for (const PlotRow& row : plot.rows)
+    for (const PlotRow& row : plot.rows) {
         width = std::max(width, text_width(row.name) * size.letters);
-    axes.rows_above = width > 0.15 * size.width;
+        axes.rows_above = axes.rows_above || width > 0.15 * size.width || !row.value.empty();
+    }
     axes.left = axes.rows_above ? 0.0 : width + 6.0;
     axes.high = (axes.y_max - axes.y_min) * size.letters * (axes.rows_above ? 3.4 : 1.5);
 }

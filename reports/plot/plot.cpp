@@ -9,7 +9,6 @@
 #include "core/failure.h"
 #include "core/rounding.h"
 #include "core/text.h"
-#include "store/base64.h"
 
 namespace runcert {
 
@@ -189,7 +188,7 @@ Plots read_plots(const Json& figures, const std::string& where) {
     return read;
 }
 
-void draw_plots(Json& document, const Plots& plots, DrawnAs drawn) {
+void draw_plots(Json& document, const Plots& plots) {
     for (Json& section : document["sections"])
         for (Json& block : section["blocks"]) {
             if (!block.contains("plots")) continue;
@@ -201,13 +200,7 @@ void draw_plots(Json& document, const Plots& plots, DrawnAs drawn) {
                         "report.json",
                         fmt::format("its document shows figure {} of {}", number + 1, plots.size()),
                         "The file was changed; take the original");
-                const std::string svg =
-                    plot_svg(plots[number], is_small ? small_drawing : DrawingSize{});
-                plot["image"] =
-                    drawn == DrawnAs::element
-                        ? svg
-                        : fmt::format("<img alt=\"{}\" src=\"data:image/svg+xml;base64,{}\"/>",
-                                      svg_text(plots[number].title), base64(svg));
+                plot["image"] = plot_svg(plots[number], is_small ? small_drawing : DrawingSize{});
             }
         }
 }

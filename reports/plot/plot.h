@@ -118,13 +118,8 @@ std::string svg_text(const std::string& text);
 /// The width of a text in DejaVu Sans, in ems; letters that are not measured count as wide ones.
 double text_width(const std::string& text);
 
-/// What a drawing stands in: an element of the page, or, where WeasyPrint is faster with it and no
-/// style reaches it, an image.
-enum class DrawnAs { element, image };
-
 /// Puts the drawing of each plot of a document, `sections[].blocks[].plots[]`, into `image`; small
 /// where its block is. Failure where the document names a figure that there is not.
-void draw_plots(nlohmann::ordered_json& document, const Plots& plots,
-                DrawnAs drawn = DrawnAs::element);
+void draw_plots(nlohmann::ordered_json& document, const Plots& plots);
 
 }  // namespace runcert

@@ -132,9 +132,9 @@ std::vector<Block> budgets_of_all(const std::vector<RuleView>& rules) {
         return rule.unit().name == certified.front().unit().name;
     });
     const auto unit_of = [](const RuleView& rule) { return fmt::format(", {}", rule.unit().name); };
-    std::vector<std::string> heads{
-        fmt::format("Contribution to the standard uncertainty{}|{}",
-                    of_one_unit ? unit_of(certified.front()) : "", of_sources)};
+    std::vector<std::string> heads{fmt::format("Contribution to the standard uncertainty{}|{}",
+                                               of_one_unit ? unit_of(certified.front()) : "",
+                                               of_sources)};
     std::vector<std::string> sources;
     Block legend = facts({}, "Budgets", "narrow");
     for (const RuleView& rule : certified) {

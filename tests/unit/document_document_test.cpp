@@ -265,7 +265,7 @@ TEST_F(DocumentHtml, FiguresStandRightAndFurtherLinesBeneathTheWholeRow) {
 }
 
 TEST_F(DocumentHtml, HostileTextIsShownAsText) {
-    const std::string html = document_page(document_of(hostile));
+    const std::string html = document_page(document_of(hostile), {.plots = {{.title = hostile}}});
     EXPECT_EQ(found_in(html, "count(//*[local-name()='script'])"), "0");
     for (const char* element :
          {"h1'", "h2'", "h3'", "p'", "p'][@class='subtitle'", "dt'", "dd'", "caption'", "td'",
@@ -303,8 +303,8 @@ TEST_F(DocumentHtml, HostileSignersAreShownAsText) {
 
 TEST_F(DocumentHtml, AVeryLongWordIsWholeAndTheSameTwice) {
     const std::string word(10'000, 'w');
-    const std::string html = document_page(document_of(word));
-    EXPECT_EQ(html, document_page(document_of(word)));
+    const std::string html = document_page(document_of(word), {.plots = {{.title = word}}});
+    EXPECT_EQ(html, document_page(document_of(word), {.plots = {{.title = word}}}));
     EXPECT_EQ(text_at(html, "h1'"), word);
     // Nothing is fetched from elsewhere.
     EXPECT_EQ(found_in(html,

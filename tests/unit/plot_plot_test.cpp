@@ -184,7 +184,7 @@ TEST(Plot, NothingIsDrawnOutsideTheFrame) {
     const std::size_t stroke = svg.find("stroke=\"#0072b2\"");
     const std::size_t begin = svg.rfind("<path d=\"", stroke);
     const std::string path = svg.substr(begin, stroke - begin);
-    static const std::regex point("[ML]([-0-9.]+) ([-0-9.]+)");
+    static const std::regex point("(?:M|L)([-0-9.]+) ([-0-9.]+)");
     int points = 0;
     for (std::sregex_iterator at(path.begin(), path.end(), point), end; at != end; ++at, ++points) {
         EXPECT_GE(std::stod((*at)[2]), axes.top - 0.06);

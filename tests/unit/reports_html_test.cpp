@@ -137,7 +137,7 @@ TEST(ReportHtml, ARefusedRunLooksDifferentInWordAndColour) {
 TEST(ReportHtml, WithoutASignatureEveryPageSaysSo) {
     const std::string html = page({}, {});
     EXPECT_NE(html.find("<div class=\"watermark\" aria-hidden=\"true\">"), std::string::npos);
-    EXPECT_NE(html.find("<p class=\"warning unsigned\"><strong>UNSIGNED.</strong>"),
+    EXPECT_NE(html.find("<p class=\"warning unsigned\"><strong>Nobody has signed this report."),
               std::string::npos);
     EXPECT_NE(html.find("· UNSIGNED\""), std::string::npos);  // the foot of each page
 }

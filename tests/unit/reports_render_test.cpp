@@ -64,6 +64,9 @@ TEST(Drawn, OfAVerticalRuleTheHorizontalSpeedIsDrawnAlone) {
     EXPECT_TRUE(has_curve(titled(level, window), "speed that counts"));
     EXPECT_TRUE(has_level(titled(level, whole_run), "required speed, nalsa"));
     run.inputs.profiles[0].dimension = Dimension::vertical;
+    EXPECT_EQ(titled(plots_of(run), "Vertical speed around the window").kind, "");  // none is known
+    for (TrajectoryEpoch& row : run.inputs.receivers[0].trajectory.rows)
+        row.velocity_up_m_s = -30.0;
     const Plots drawn = plots_of(run);
     EXPECT_FALSE(has_curve(titled(drawn, window), "speed that counts"));
     EXPECT_EQ(titled(drawn, "Vertical speed around the window").kind, "result");
@@ -94,6 +97,7 @@ TEST(Drawn, WindowsOfOtherKindsAndFurtherOnesAreDrawn) {
 TEST(Drawn, ARefusedWindowIsDrawn) {
     sample::Run run = sample::with_one_rule(sample::make_run());
     ProfileVerdict& verdict = run.inputs.verdict.profiles[0];
+    verdict.indicated.reset();
     const auto is_refused = [](const Plot& plot) {
         return std::ranges::find(plot.spans, "refused", &PlotSpan::kind) != plot.spans.end();
     };

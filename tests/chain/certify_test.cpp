@@ -127,7 +127,7 @@ TEST(Certify, AWholeThatCannotBeDrawnLeavesTheCertificate) {
         certify(examples / "land_yacht" / "attempt.yaml", run, {},
                 {{"RUNCERT_EXTERNAL_PATH", programs.string() + ":/usr/bin:/bin"}});
     EXPECT_EQ(said.exit_status, 2) << said.output;
-    EXPECT_NE(said.errors.find("the PDF could not be made"), std::string::npos) << said.errors;
+    EXPECT_NE(said.errors.find("The PDF could not be made"), std::string::npos) << said.errors;
     EXPECT_TRUE(fs::exists(run / "certificate.pdf"));
     EXPECT_TRUE(fs::exists(run / "report.json"));
     EXPECT_FALSE(fs::exists(run / "report.pdf"));

@@ -19,10 +19,6 @@ namespace {
 
 using Rows = std::span<const TrajectoryEpoch>;
 
-bool has_place(const TrajectoryEpoch& row) {
-    return row.east_m && row.north_m;
-}
-
 std::string point_text(const Geodetic& at, bool with_height) {
     constexpr int degree_decimals = 9;
     std::string text = format_fixed(at.longitude.degrees(), degree_decimals) + ',' +
@@ -43,7 +39,7 @@ class ToTheEarth {
         std::vector<std::string> points;
         for (std::size_t i = 0; i < rows.size(); ++i)
             if ((i % static_cast<std::size_t>(every) == 0 || i + 1 == rows.size()) &&
-                has_place(rows[i]))
+                rows[i].east_m && rows[i].north_m)
                 points.push_back(point(rows[i]));
         return points;
     }
@@ -70,31 +66,20 @@ class ToTheEarth {
     bool vertical_measured_;
 };
 
-/// When and where in the recording these rows are.
-std::vector<Fact> facts_of(Rows rows, const RecordingFacts& facts) {
-    const ElapsedTime start = rows.front().time;
-    WindowSpan span{.first_epoch = rows.front().epoch,
-                    .last_epoch = rows.back().epoch,
-                    .start = start,
-                    .duration = {rows.back().time.nanoseconds - start.nanoseconds},
-                    .start_gps = std::nullopt};
-    if (facts.first_epoch) span.start_gps = facts.first_epoch->plus_nanoseconds(start.nanoseconds);
-    return span_facts(span).facts;
-}
-
 MapFolder track_of(const MapInput& input, const ToTheEarth& earth) {
-    MapFolder track{.name = "track", .lines = {}};
+    MapFolder track{.name = "track"};
     const std::vector<TrajectoryEpoch>& rows = input.trajectory->rows;
-    for (auto from = rows.begin(); from != rows.end();) {
-        const auto to = std::ranges::find_if(
-            from, rows.end(), [&](const TrajectoryEpoch& row) { return row.arc != from->arc; });
-        const Rows arc(from, to);
-        if (from->arc)
-            track.lines.push_back({.name = fmt::format("track, arc {}", *from->arc),
-                                   .rgb = "333333",
-                                   .facts = facts_of(arc, input.trajectory->facts),
-                                   .points = earth.points(arc, input.every)});
-        from = to;
+    for (auto from = rows.begin(), to = from; from != rows.end(); from = to) {
+        to = std::ranges::find_if(from, rows.end(),
+                                  [&](const TrajectoryEpoch& row) { return row.arc != from->arc; });
+        if (!from->arc) continue;
+        const TrajectoryEpoch& last = *std::prev(to);
+        const WindowSpan span =
+            window_span(input.trajectory->facts, from->epoch, last.epoch, from->time, last.time);
+        track.lines.push_back({.name = fmt::format("track, arc {}", *from->arc),
+                               .rgb = "333333",
+                               .facts = span_facts(span).facts,
+                               .points = earth.points({from, to}, input.every)});
     }
     return track;
 }
@@ -116,12 +101,11 @@ Rows rows_of(const WindowSpan& span, const TrajectoryTable& trajectory) {
 /// What is said of a window of a rule, which is certified, or refused for reasons.
 std::vector<Fact> facts_of(const ProfileVerdict& verdict, const WindowSpan& span, double speed_m_s,
                            const std::optional<double>& expanded_uncertainty_m_s,
-                           const std::vector<std::string>& refusals = {}) {
-    Block told =
-        facts({{.name = "Rule", .value = verdict.profile},
-               {.name = "Body", .value = verdict.body},
-               {.name = "Title", .value = verdict.title},
-               {.name = "Speed defined as", .value = std::string(words_of(verdict.definition))}});
+                           const std::vector<std::string>& refusals) {
+    Block told = facts({{"Rule", verdict.profile},
+                        {"Body", verdict.body},
+                        {"Title", verdict.title},
+                        {"Speed defined as", std::string(words_of(verdict.definition))}});
     if (refusals.empty()) {
         add_fact(told, "Outcome", outcome_words(state_of(verdict)).title);
         add_fact(told, "Why", verdict.reason);
@@ -147,37 +131,35 @@ void add_windows(const MapInput& input, std::size_t rule, const ToTheEarth& eart
     const int width = 10 - 2 * static_cast<int>(std::min<std::size_t>(rule, 3));
     const ProfileVerdict& verdict = input.verdict->profiles[rule];
     const std::string unit = verdict.shown ? verdict.shown->unit : "km/h";
-    const auto add = [&](const std::string& speed, const WindowSpan& span,
-                         std::vector<Fact> told) -> MapLine& {
+    const auto add = [&](const std::string& name, const WindowSpan& span, double speed_m_s,
+                         const std::optional<double>& expanded_uncertainty_m_s,
+                         const std::vector<std::string>& refusals = {}) -> MapLine& {
         return windows.lines.emplace_back(
-            MapLine{.name = fmt::format("{}: {}", verdict.profile, speed),
+            MapLine{.name = fmt::format("{}: {}", verdict.profile, name),
                     .rgb = rule_rgb[rule % rule_rgb.size()],
                     .width = width,
-                    .facts = std::move(told),
+                    .facts = facts_of(verdict, span, speed_m_s, expanded_uncertainty_m_s, refusals),
                     .points = earth.points(rows_of(span, *input.trajectory))});
     };
     if (const auto& refused = verdict.indicated) {
         MapLine& line =
             add(speed_beside(verdict, refused->speed_m_s, unit) + " REFUSED, not certified",
-                refused->span,
-                facts_of(verdict, refused->span, refused->speed_m_s, {}, refused->refusals));
+                refused->span, refused->speed_m_s, {}, refused->refusals);
         line.rgb = refused_rgb;
         line.width += 2;
     }
     if (const ProfileWindows* found = windows_of(*input.windows, verdict.profile))
         for (const FurtherWindow& window : found->further)
             add(speed_beside(verdict, window.speed_m_s, unit) + ", another window of the mean",
-                window.span,
-                facts_of(verdict, window.span, window.speed_m_s,
-                         expanded_uncertainty_m_s(window, verdict.coverage_factor)));
+                window.span, window.speed_m_s,
+                expanded_uncertainty_m_s(window, verdict.coverage_factor));
     if (verdict.window && verdict.speed_m_s)
-        add(measured_speed_text(shown_of(verdict, unit)), *verdict.window,
-            facts_of(verdict, *verdict.window, *verdict.speed_m_s,
-                     verdict.expanded_uncertainty_m_s));
+        add(measured_speed_text(shown_of(verdict, unit)), *verdict.window, *verdict.speed_m_s,
+            verdict.expanded_uncertainty_m_s);
 }
 
 MapFolder course_of(const Attempt& attempt) {
-    MapFolder course{.name = "course", .lines = {}};
+    MapFolder course{.name = "course"};
     const auto add = [&](const char* name, const CourseLine& line) {
         if (line.left.geodetic && line.right.geodetic)
             course.lines.push_back({.name = name,
@@ -219,7 +201,7 @@ RunMap map_of(const MapInput& input) {
                       "the Earth they lie: there is no map to put them on",
                       "Export the tables instead: --format csv");
     const ToTheEarth earth(input);
-    MapFolder windows{.name = "windows", .lines = {}};
+    MapFolder windows{.name = "windows"};
     if (input.windows != nullptr && input.verdict != nullptr &&
         input.verdict->receiver == trajectory.facts.receiver)
         for (std::size_t rule = 0; rule < input.verdict->profiles.size(); ++rule)

@@ -10,6 +10,7 @@
 #include "reports/document/document_html.h"
 #include "reports/document/document_text.h"
 #include "reports/run/reader/read_run.h"
+#include "run/reported_files.h"
 #include "run/stage_main.h"
 #include "store/atomic_file.h"
 #include "store/program.h"
@@ -51,19 +52,15 @@ void read_report(StageRun& run, RunRecord& record) {
     run.note_file("report", file);
     const ReportFacts facts = read_report_facts(run.run_dir());
     record.report_id = facts.report_id;
-    Header& header = record.report.emplace();
+    Header& header = record.report.emplace(reported_files(facts.text, file));
     header.stage = "report";
     header.program_version = facts.program_version;
     header.source_revision = facts.source_revision;
-    for (const std::string& name : facts.subject_names) {
-        header.inputs.push_back({.role = "subject",
-                                 .file = name,
-                                 .sha256 = facts.subjects.at(name),
-                                 .bytes = 0,
-                                 .original = {}});
-        record.named_by[name].push_back(file);
-        if (name.find('/') == std::string::npos && std::filesystem::exists(run.run_dir() / name))
-            run.note_file("subject", name);
+    for (const InputFile& subject : header.inputs) {
+        record.named_by[subject.file].push_back(file);
+        if (subject.file.find('/') == std::string::npos &&
+            std::filesystem::exists(run.run_dir() / subject.file))
+            run.note_file("subject", subject.file);
     }
     run.note_expected(file, header);
     record.files = run.inputs();
@@ -74,13 +71,7 @@ RunRecord read_run(const std::filesystem::path& run_dir) {
     RunRecord record{read_run_view(run, Reading::what_is_there)};
     record.signatures = signatures_in(run_dir);
     read_report(run, record);
-    const bool nothing = !is_there(record.verdict.header) && !record.report &&
-                         std::ranges::none_of(record.receivers, [](const ReceiverResults& one) {
-                             return is_there(one.observations.header) || is_there(one.enu.header) ||
-                                    is_there(one.screened.header) ||
-                                    is_there(one.trajectory.header) || is_there(one.windows.header);
-                         });
-    if (nothing)
+    if (holds_nothing(record))
         throw Failure(run_dir.string(), "the folder holds no file of any stage",
                       "Name a folder that `runcert certify` wrote");
     return record;

@@ -18,6 +18,9 @@ struct RunRecord : RunView {
     std::vector<std::string> signatures = {};  ///< files beside report.json
 };
 
+/// Whether there is no file of any stage, and no report.
+bool holds_nothing(const RunRecord& record);
+
 /// The stages, in the order of the chain, by the names of the programs.
 const std::vector<std::string>& audited_stages();
 

@@ -81,12 +81,11 @@ std::vector<Block> imported_imu(const RunRecord& record, const ReceiverResults& 
         product_blocks(record, imu.header, one.files.at("imu"),
                        fmt::format("{}, {}", imu.format, counted(imu.records.total, "sample")),
                        level));
-    Block found = facts({});
-    add_fact(found, "Axes x, y, z", fmt::format("{}", fmt::join(imu.axes, ", ")));
-    add_fact(found, "Rate",
-             fmt::format("{} Hz; stamps jitter by {} ms", format_fixed(imu.clock.rate_hz, 3),
-                         format_fixed(imu.clock.jitter_s * 1e3, 2)));
-    add_fact(found, "Gaps", counted(imu.found.gaps));
+    Block found = facts(
+        {{"Axes x, y, z", fmt::format("{}", fmt::join(imu.axes, ", "))},
+         {"Rate", fmt::format("{} Hz; stamps jitter by {} ms", format_fixed(imu.clock.rate_hz, 3),
+                              format_fixed(imu.clock.jitter_s * 1e3, 2))},
+         {"Gaps", counted(imu.found.gaps)}});
     if (imu.rest)
         add_fact(found, "Quietest second",
                  fmt::format("{} m/s2, the down axis {} degrees from gravity",
@@ -114,10 +113,9 @@ std::vector<Block> imported_surface(const RunRecord& record, const ReceiverResul
              fmt::format("{}, median edge {} m", surface.found.vertices,
                          format_fixed(surface.found.edge_m, 1)));
     add_fact(found, "Height of a vertex, standard deviation",
-             fmt::format("{} m", format_fixed(surface.vertical_sd_m, 3)));
+             format_fixed(surface.vertical_sd_m, 3) + " m");
     if (surface.undulation_m != 0.0)
-        add_fact(found, "Undulation added",
-                 fmt::format("{} m", format_fixed(surface.undulation_m, 3)));
+        add_fact(found, "Undulation added", format_fixed(surface.undulation_m, 3) + " m");
     for (const SurfaceRun& run : surface.made_from)
         add_fact(found, "Made from",
                  fmt::format("run {}, {}", run.id, counted(run.positions, "position")));

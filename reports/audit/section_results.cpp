@@ -39,6 +39,17 @@ std::vector<Block> method_blocks(const TrajectoryTable& trajectory, const Window
     return {std::move(speeds)};
 }
 
+/// What was found by a rule, in these windows; nothing where the folder lacks the rule's text.
+std::optional<RuleView> rule_view(const RunRecord& record, const std::string& profile,
+                                  const ProfileWindows* windows) {
+    static const ProfileVerdict none;
+    const auto rule = std::ranges::find(record.profiles, profile, &Profile::id);
+    if (rule == record.profiles.end()) return std::nullopt;
+    const auto& verdicts = record.verdict.profiles;
+    const auto verdict = std::ranges::find(verdicts, profile, &ProfileVerdict::profile);
+    return RuleView{record.attempt, verdict == verdicts.end() ? none : *verdict, *rule, windows};
+}
+
 Block rule_is_missing(const std::string& profile) {
     return paragraph(fmt::format(
         "The text of the rule {} is MISSING from the folder: what was found by it is not shown.",
@@ -55,7 +66,7 @@ std::string indicated_text(const IndicatedWindow& indicated, const RuleView& rul
 }
 
 /// A course by its definitions, and what they differ by.
-void add_course(const CourseDirections& course, const std::string& name, Block& told) {
+Block course_facts(const std::string& name, const CourseDirections& course) {
     const auto degrees = [](double angle) { return format_fixed(angle, 4); };
     std::string text = fmt::format(
         "{}° along the loxodrome; {}° along the geodesic at its beginning, {}° at its end; {}° in "
@@ -67,7 +78,7 @@ void add_course(const CourseDirections& course, const std::string& name, Block& 
             fmt::format("; mean heading of the craft {}°", format_fixed(*course.heading_deg, 2));
     const double difference_deg = std::remainder(course.loxodrome_deg - course.geodesic_deg, 360.0);
     text += fmt::format(". Loxodrome less geodesic: {}°", degrees(difference_deg));
-    add_fact(told, name, text);
+    return facts({{name, text}});
 }
 
 std::vector<Block> rule_windows(const RunRecord& record, const ReceiverResults& one,
@@ -75,7 +86,7 @@ std::vector<Block> rule_windows(const RunRecord& record, const ReceiverResults& 
     std::vector<Block> blocks{heading("Rule " + windows.profile)};
     const auto rule = rule_view(record, windows.profile, &windows);
     if (!rule) return {blocks.front(), rule_is_missing(windows.profile)};
-    Block told = facts({{.name = "Looked for", .value = rule_words(rule->profile)}});
+    Block told = facts({{"Looked for", rule_words(rule->profile)}});
     if (windows.indicated)
         add_fact(told, "Fastest raw window", indicated_text(*windows.indicated, *rule));
     if (!rule->best()) {
@@ -88,11 +99,8 @@ std::vector<Block> rule_windows(const RunRecord& record, const ReceiverResults& 
     blocks.push_back(std::move(told));
     if (!rule->best()) return blocks;
     add(blocks, window_blocks(*rule, rule->best()->span));
-    if (windows.best && windows.best->course) {
-        Block course = facts({});
-        add_course(*windows.best->course, "Course of the window", course);
-        blocks.push_back(std::move(course));
-    }
+    if (windows.best && windows.best->course)
+        blocks.push_back(course_facts("Course of the window", *windows.best->course));
     add(blocks, witness_blocks({*rule}));
     add(blocks, uncertainty_blocks(*rule));
     if (is_there(one.trajectory.header))
@@ -170,11 +178,7 @@ std::vector<Block> window_stage_blocks(const RunRecord& record, const ReceiverRe
     add(blocks, parameter_blocks(record.attempt, {&windows.header}, level));
     if (!windows.witness_notes.empty()) blocks.push_back(list_of(windows.witness_notes));
     if (!windows.stands.empty()) blocks.push_back(stand_table(windows.stands));
-    if (windows.course) {
-        Block course = facts({});
-        add_course(*windows.course, "Course of the run", course);
-        blocks.push_back(std::move(course));
-    }
+    if (windows.course) blocks.push_back(course_facts("Course of the run", *windows.course));
     for (const ProfileWindows& each : windows.profiles)
         add(blocks, rule_windows(record, one, each));
     return blocks;

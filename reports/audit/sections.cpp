@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
 #include "core/claimed_text.h"
 #include "core/prose.h"
@@ -13,16 +12,11 @@
 
 namespace runcert {
 
-using Json = nlohmann::ordered_json;
-
 namespace {
 
-/// The first digits of a hash, or all.
+/// A hash, in full or by as many of its digits as tell it from others.
 std::string hash_text(const std::string& sha256, Level level) {
-    constexpr std::size_t enough_to_tell_apart = 12;
-    return level == Level::all || sha256.size() <= enough_to_tell_apart
-               ? sha256
-               : sha256.substr(0, enough_to_tell_apart);
+    return level == Level::all ? sha256 : sha256.substr(0, 12);
 }
 
 Block inputs_table(const RunRecord& record, const Header& header, Level level) {
@@ -54,27 +48,23 @@ struct Product {
     std::vector<Block> (*blocks)(const RunRecord&, const ReceiverResults&, Level) = nullptr;
 };
 
-const Header* header_if_there(const Header& header) {
-    return is_there(header) ? &header : nullptr;
-}
-
 std::vector<Product> products_of(const RunRecord& record) {
     std::vector<Product> products;
+    const auto there = [](const Header& header) { return is_there(header) ? &header : nullptr; };
     for (const ReceiverResults& one : record.receivers) {
-        const std::string& id = one.receiver.id;
-        products.push_back({"import", id, one.files.at("observations"),
-                            header_if_there(one.observations.header), &one, import_blocks});
-        products.push_back(
-            {"enu", id, one.files.at("enu"), header_if_there(one.enu.header), &one, enu_blocks});
-        products.push_back({"screen", id, one.files.at("screened"),
-                            header_if_there(one.screened.header), &one, screen_blocks});
-        products.push_back({"smooth", id, one.files.at("trajectory"),
-                            header_if_there(one.trajectory.header), &one, smooth_blocks});
-        products.push_back({"window", id, one.files.at("windows"),
-                            header_if_there(one.windows.header), &one, window_stage_blocks});
+        const auto add = [&](const char* stage, const char* name, const Header& header,
+                             auto* blocks) {
+            products.push_back(
+                {stage, one.receiver.id, one.files.at(name), there(header), &one, blocks});
+        };
+        add("import", "observations", one.observations.header, import_blocks);
+        add("enu", "enu", one.enu.header, enu_blocks);
+        add("screen", "screened", one.screened.header, screen_blocks);
+        add("smooth", "trajectory", one.trajectory.header, smooth_blocks);
+        add("window", "windows", one.windows.header, window_stage_blocks);
     }
     products.push_back(
-        {"check", {}, std::string(products::verdict_file), header_if_there(record.verdict.header)});
+        {"check", {}, std::string(products::verdict_file), there(record.verdict.header)});
     products.push_back({"report", {}, "report.json", record.report ? &*record.report : nullptr});
     return products;
 }
@@ -171,16 +161,15 @@ Section run_section(const RunRecord& record, Level level) {
             .blocks = {facts_of(record), makers_of(products), list_of(std::move(findings))}};
 }
 
-/// "3. screen, receiver primary"
-std::string stage_title(const std::string& stage, const std::string& receiver) {
-    const auto& stages = audited_stages();
-    const auto number = std::find(stages.begin(), stages.end(), stage) - stages.begin() + 1;
-    return fmt::format("{}. {}{}", number, stage, receiver.empty() ? "" : ", receiver " + receiver);
-}
-
+/// The beginning of a section: "3. screen, receiver primary".
 Section stage_section(const Product& product) {
-    Section section{.anchor = product.stage, .title = stage_title(product.stage, product.receiver)};
-    if (!product.receiver.empty()) section.anchor += "-" + product.receiver;
+    const auto& stages = audited_stages();
+    const auto number = std::ranges::find(stages, product.stage) - stages.begin() + 1;
+    Section section{.anchor = product.stage, .title = fmt::format("{}. {}", number, product.stage)};
+    if (!product.receiver.empty()) {
+        section.anchor += "-" + product.receiver;
+        section.title += ", receiver " + product.receiver;
+    }
     if (!product.header)
         add(section, paragraph(fmt::format("{} is MISSING from the folder: what this stage decided "
                                            "cannot be shown. The walk goes on with what is there.",
@@ -204,16 +193,9 @@ std::vector<Block> product_blocks(const RunRecord& record, const Header& header,
                    {"Schema", header.schema_name + " " + header.schema_version}})};
 }
 
-std::optional<RuleView> rule_view(const RunRecord& record, const std::string& profile,
-                                  const ProfileWindows* windows) {
-    static const ProfileVerdict none;
-    const auto rule = std::ranges::find(record.profiles, profile, &Profile::id);
-    if (rule == record.profiles.end()) return std::nullopt;
-    const ProfileVerdict* verdict = &none;
-    if (is_there(record.verdict.header))
-        for (const ProfileVerdict& one : record.verdict.profiles)
-            if (one.profile == profile) verdict = &one;
-    return RuleView{record.attempt, *verdict, *rule, windows};
+bool holds_nothing(const RunRecord& record) {
+    return std::ranges::none_of(products_of(record),
+                                [](const Product& one) { return one.header != nullptr; });
 }
 
 const std::vector<std::string>& audited_stages() {

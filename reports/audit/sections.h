@@ -25,8 +25,4 @@ std::vector<Block> product_blocks(const RunRecord& record, const Header& header,
                                   const std::string& file, const std::string& contents,
                                   Level level);
 
-/// What was found by a rule, in these windows; nothing where the folder lacks the rule's text.
-std::optional<RuleView> rule_view(const RunRecord& record, const std::string& profile,
-                                  const ProfileWindows* windows);
-
 }  // namespace runcert

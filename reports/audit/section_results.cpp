@@ -9,7 +9,6 @@
 #include "core/text.h"
 #include "reports/audit/sections.h"
 #include "reports/run_speeds/run_speeds.h"
-#include "schemas/common/product_files.h"
 
 namespace runcert {
 namespace {
@@ -99,8 +98,8 @@ std::vector<Block> rule_windows(const RunRecord& record, const ReceiverResults& 
     blocks.push_back(std::move(told));
     if (!rule->best()) return blocks;
     add(blocks, window_blocks(*rule, rule->best()->span));
-    if (windows.best && windows.best->course)
-        blocks.push_back(course_facts("Course of the window", *windows.best->course));
+    if (const auto& course = rule->best()->course)
+        blocks.push_back(course_facts("Course of the window", *course));
     add(blocks, witness_blocks({*rule}));
     add(blocks, uncertainty_blocks(*rule));
     if (is_there(one.trajectory.header))
@@ -139,63 +138,45 @@ Block stand_table(const std::vector<Stand>& stands) {
     return table_of_stands;
 }
 
-/// What the IMU and the positions say together.
-std::vector<Block> attitude_blocks(const RunRecord& record, const ReceiverResults& one,
-                                   Level level) {
-    if (!one.attitude) return {};
-    const AttitudeTable& attitude = *one.attitude;
-    const InertialConsistency& found = attitude.consistency;
-    std::vector<Block> blocks{heading("Attitude")};
-    add(blocks, product_blocks(record, attitude.header, one.files.at("attitude"),
-                               counted(found.epochs, "position") + " took part", level));
-    add(blocks, attitude_facts(attitude));
-    return blocks;
-}
-
 }  // namespace
 
-std::vector<Block> smooth_blocks(const RunRecord& record, const ReceiverResults& one, Level level) {
+ProductPart trajectory_part(const RunRecord& record, const ReceiverResults& one, Level level) {
     const TrajectoryTable& table = one.trajectory;
     const auto smoothed = std::ranges::count_if(
         table.rows, [](const TrajectoryEpoch& row) { return row.speed_m_s.has_value(); });
-    std::vector<Block> blocks =
-        product_blocks(record, table.header, one.files.at("trajectory"),
-                       fmt::format("{}, {} with a smoothed speed",
-                                   counted(std::ssize(table.rows), "epoch"), counted(smoothed)),
-                       level);
-    add(blocks, parameter_blocks(record.attempt, {&table.header}, level));
+    std::vector<Block> blocks = parameter_blocks(record.attempt, {&table.header}, level);
     add(blocks, estimation_blocks(table.estimation));
-    add(blocks, attitude_blocks(record, one, level));
-    return blocks;
+    return {fmt::format("{}, {} with a smoothed speed", counted(std::ssize(table.rows), "epoch"),
+                        counted(smoothed)),
+            std::move(blocks)};
 }
 
-std::vector<Block> window_stage_blocks(const RunRecord& record, const ReceiverResults& one,
-                                       Level level) {
+ProductPart attitude_part(const RunRecord& /*record*/, const ReceiverResults& one,
+                          Level /*level*/) {
+    return {counted(one.attitude->consistency.epochs, "position") + " took part",
+            attitude_facts(*one.attitude)};
+}
+
+ProductPart windows_part(const RunRecord& record, const ReceiverResults& one, Level level) {
     const Windows& windows = one.windows;
-    std::vector<Block> blocks =
-        product_blocks(record, windows.header, one.files.at("windows"),
-                       counted(std::ssize(windows.profiles), "rule"), level);
-    add(blocks, parameter_blocks(record.attempt, {&windows.header}, level));
+    std::vector<Block> blocks = parameter_blocks(record.attempt, {&windows.header}, level);
     if (!windows.witness_notes.empty()) blocks.push_back(list_of(windows.witness_notes));
     if (!windows.stands.empty()) blocks.push_back(stand_table(windows.stands));
     if (windows.course) blocks.push_back(course_facts("Course of the run", *windows.course));
     for (const ProfileWindows& each : windows.profiles)
         add(blocks, rule_windows(record, one, each));
-    return blocks;
+    return {counted(std::ssize(windows.profiles), "rule"), std::move(blocks)};
 }
 
-std::vector<Block> check_blocks(const RunRecord& record, Level level) {
+ProductPart verdict_part(const RunRecord& record, const ReceiverResults& /*one*/, Level level) {
     const Verdict& verdict = record.verdict;
-    std::vector<Block> blocks = product_blocks(
-        record, verdict.header, std::string(products::verdict_file),
-        counted(std::ssize(verdict.profiles), "verdict") + ", of receiver " + verdict.receiver,
-        level);
-    add(blocks, parameter_blocks(record.attempt, {&verdict.header}, level));
+    std::vector<Block> blocks = parameter_blocks(record.attempt, {&verdict.header}, level);
     for (const ProfileVerdict& each : verdict.profiles)
         add(blocks, rule_verdict(record, each));
     if (!verdict.statements.empty())
         blocks.push_back(titled_list("What holds for the whole measurement", verdict.statements));
-    return blocks;
+    return {counted(std::ssize(verdict.profiles), "verdict") + ", of receiver " + verdict.receiver,
+            std::move(blocks)};
 }
 
 }  // namespace runcert

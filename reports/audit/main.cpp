@@ -22,10 +22,8 @@ namespace {
 
 struct Options {
     std::string run_dir;
-    std::string receiver;
     std::string html;
-    std::vector<std::string> stages;
-    bool all = false;
+    WalkOptions walk;
 };
 
 void require_known(const std::string& option, const std::string& word,
@@ -66,29 +64,23 @@ void read_report(StageRun& run, RunRecord& record) {
     record.files = run.inputs();
 }
 
-RunRecord read_run(const std::filesystem::path& run_dir) {
-    StageRun run = open_run("audit", run_dir);
+Document audit(const Options& options) {
+    for (const std::string& stage : options.walk.stages)
+        require_known("--stage", stage, audited_stages(), "there is no stage");
+    StageRun run = open_run("audit", options.run_dir);
     RunRecord record{read_run_view(run, Reading::what_is_there)};
-    record.signatures = signatures_in(run_dir);
+    record.signatures = signatures_in(options.run_dir);
     read_report(run, record);
     if (holds_nothing(record))
-        throw Failure(run_dir.string(), "the folder holds no file of any stage",
+        throw Failure(options.run_dir, "the folder holds no file of any stage",
                       "Name a folder that `runcert certify` wrote");
-    return record;
-}
-
-Document audit(const Options& options) {
-    for (const std::string& stage : options.stages)
-        require_known("--stage", stage, audited_stages(), "there is no stage");
-    const RunRecord record = read_run(options.run_dir);
     std::vector<std::string> receivers;
     for (const Receiver& receiver : record.attempt.receivers)
         receivers.push_back(receiver.id);
-    if (!options.receiver.empty())
-        require_known("--receiver", options.receiver, receivers, "the attempt has no receiver");
-    return walk_through(record, {.stages = {options.stages.begin(), options.stages.end()},
-                                 .receiver = options.receiver,
-                                 .all = options.all});
+    if (!options.walk.receiver.empty())
+        require_known("--receiver", options.walk.receiver, receivers,
+                      "the attempt has no receiver");
+    return walk_through(record, options.walk);
 }
 
 }  // namespace
@@ -100,9 +92,9 @@ int main(int argc, char** argv) {
         [&](CommandLine& line) {
             line.text("RUN_DIR", options.run_dir, "folder of a certified run",
                       CommandLine::Need::required);
-            line.texts("--stage", options.stages, "this stage alone (may be repeated)");
-            line.text("--receiver", options.receiver, "which receiver (default: all)");
-            line.flag("--all", options.all, "hashes, parameters and epochs used in full");
+            line.texts("--stage", options.walk.stages, "this stage alone (may be repeated)");
+            line.text("--receiver", options.walk.receiver, "which receiver (default: all)");
+            line.flag("--all", options.walk.all, "hashes, parameters and epochs used in full");
             line.text("--html", options.html, "write the walk to this file, as one page");
         },
         [&]() -> int {

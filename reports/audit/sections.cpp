@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 
 #include "core/claimed_text.h"
 #include "core/prose.h"
@@ -230,7 +231,9 @@ Document walk_through(const RunRecord& record, const WalkOptions& options) {
     if (options.stages.empty()) walk.sections.push_back(run_section(record, level));
     const std::vector<Product> products = products_of(record);
     for (const std::string& stage : audited_stages()) {
-        if (!options.stages.empty() && !options.stages.contains(stage)) continue;
+        if (!options.stages.empty() &&
+            std::ranges::find(options.stages, stage) == options.stages.end())
+            continue;
         for (const Product& product : products) {
             const bool asked = options.receiver.empty() || product.receiver.empty() ||
                                options.receiver == product.receiver;

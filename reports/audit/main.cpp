@@ -10,6 +10,7 @@
 #include "reports/document/document_html.h"
 #include "reports/document/document_text.h"
 #include "reports/run/reader/read_run.h"
+#include "run/reported_files.h"
 #include "run/stage_main.h"
 #include "store/atomic_file.h"
 #include "store/program.h"
@@ -21,10 +22,8 @@ namespace {
 
 struct Options {
     std::string run_dir;
-    std::string receiver;
     std::string html;
-    std::vector<std::string> stages;
-    bool all = false;
+    WalkOptions walk;
 };
 
 void require_known(const std::string& option, const std::string& word,
@@ -51,53 +50,37 @@ void read_report(StageRun& run, RunRecord& record) {
     run.note_file("report", file);
     const ReportFacts facts = read_report_facts(run.run_dir());
     record.report_id = facts.report_id;
-    Header& header = record.report.emplace();
+    Header& header = record.report.emplace(reported_files(facts.text, file));
     header.stage = "report";
     header.program_version = facts.program_version;
     header.source_revision = facts.source_revision;
-    for (const std::string& name : facts.subject_names) {
-        header.inputs.push_back({.role = "subject",
-                                 .file = name,
-                                 .sha256 = facts.subjects.at(name),
-                                 .bytes = 0,
-                                 .original = {}});
-        record.named_by[name].push_back(file);
-        if (name.find('/') == std::string::npos && std::filesystem::exists(run.run_dir() / name))
-            run.note_file("subject", name);
+    for (const InputFile& subject : header.inputs) {
+        record.named_by[subject.file].push_back(file);
+        if (subject.file.find('/') == std::string::npos &&
+            std::filesystem::exists(run.run_dir() / subject.file))
+            run.note_file("subject", subject.file);
     }
     run.note_expected(file, header);
     record.files = run.inputs();
 }
 
-RunRecord read_run(const std::filesystem::path& run_dir) {
-    StageRun run = open_run("audit", run_dir);
-    RunRecord record{read_run_view(run, Reading::what_is_there)};
-    record.signatures = signatures_in(run_dir);
-    read_report(run, record);
-    const bool nothing = !is_there(record.verdict.header) && !record.report &&
-                         std::ranges::none_of(record.receivers, [](const ReceiverResults& one) {
-                             return is_there(one.observations.header) || is_there(one.enu.header) ||
-                                    is_there(one.screened.header) ||
-                                    is_there(one.trajectory.header) || is_there(one.windows.header);
-                         });
-    if (nothing)
-        throw Failure(run_dir.string(), "the folder holds no file of any stage",
-                      "Name a folder that `runcert certify` wrote");
-    return record;
-}
-
 Document audit(const Options& options) {
-    for (const std::string& stage : options.stages)
+    for (const std::string& stage : options.walk.stages)
         require_known("--stage", stage, audited_stages(), "there is no stage");
-    const RunRecord record = read_run(options.run_dir);
+    StageRun run = open_run("audit", options.run_dir);
+    RunRecord record{read_run_view(run, Reading::what_is_there)};
+    record.signatures = signatures_in(options.run_dir);
+    read_report(run, record);
+    if (holds_nothing(record))
+        throw Failure(options.run_dir, "the folder holds no file of any stage",
+                      "Name a folder that `runcert certify` wrote");
     std::vector<std::string> receivers;
     for (const Receiver& receiver : record.attempt.receivers)
         receivers.push_back(receiver.id);
-    if (!options.receiver.empty())
-        require_known("--receiver", options.receiver, receivers, "the attempt has no receiver");
-    return walk_through(record, {.stages = {options.stages.begin(), options.stages.end()},
-                                 .receiver = options.receiver,
-                                 .all = options.all});
+    if (!options.walk.receiver.empty())
+        require_known("--receiver", options.walk.receiver, receivers,
+                      "the attempt has no receiver");
+    return walk_through(record, options.walk);
 }
 
 }  // namespace
@@ -109,9 +92,9 @@ int main(int argc, char** argv) {
         [&](CommandLine& line) {
             line.text("RUN_DIR", options.run_dir, "folder of a certified run",
                       CommandLine::Need::required);
-            line.texts("--stage", options.stages, "this stage alone (may be repeated)");
-            line.text("--receiver", options.receiver, "which receiver (default: all)");
-            line.flag("--all", options.all, "hashes, parameters and epochs used in full");
+            line.texts("--stage", options.walk.stages, "this stage alone (may be repeated)");
+            line.text("--receiver", options.walk.receiver, "which receiver (default: all)");
+            line.flag("--all", options.walk.all, "hashes, parameters and epochs used in full");
             line.text("--html", options.html, "write the walk to this file, as one page");
         },
         [&]() -> int {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -18,13 +17,16 @@ struct RunRecord : RunView {
     std::vector<std::string> signatures = {};  ///< files beside report.json
 };
 
+/// Whether there is no file of any stage, and no report.
+bool holds_nothing(const RunRecord& record);
+
 /// The stages, in the order of the chain, by the names of the programs.
 const std::vector<std::string>& audited_stages();
 
 struct WalkOptions {
-    std::set<std::string> stages = {};  ///< empty: all, and what the run is
-    std::string receiver = {};          ///< id of the one shown; empty: all
-    bool all = false;                   ///< hashes in full, and lists that are else cut
+    std::vector<std::string> stages = {};  ///< empty: all, and what the run is
+    std::string receiver = {};             ///< id of the one shown; empty: all
+    bool all = false;                      ///< hashes in full, and lists that are else cut
 };
 
 /// What a run is, and what came in, went out and was decided, and why, by stage and receiver.

@@ -53,15 +53,11 @@ std::vector<std::string> ephemerides_of(const PhaseTable& phase) {
     return used;
 }
 
-/// The part about the raw phases of a receiver that has some.
-std::vector<Block> imported_phases(const RunRecord& record, const ReceiverResults& one,
-                                   Level level) {
-    if (!one.phase) return {};
+}  // namespace
+
+ProductPart phase_part(const RunRecord& /*record*/, const ReceiverResults& one, Level level) {
     const PhaseTable& phase = *one.phase;
-    std::vector<Block> blocks{heading("Raw phases")};
-    add(blocks,
-        product_blocks(record, phase.header, one.files.at("phase"),
-                       fmt::format("{}, {}", phase.format, counted(phase.epochs, "epoch")), level));
+    std::vector<Block> blocks;
     if (!phase.notes.empty()) blocks.push_back(list_of(phase.notes));
     blocks.push_back(paragraph(fmt::format(
         "Satellites' places are computed from {} (line or byte of the navigation at the end).",
@@ -69,95 +65,68 @@ std::vector<Block> imported_phases(const RunRecord& record, const ReceiverResult
             ? "one broadcast ephemeris"
             : counted(std::ssize(phase.ephemerides)) + " broadcast ephemerides")));
     if (level == Level::all) blocks.push_back(list_of(ephemerides_of(phase)));
-    return blocks;
+    return {fmt::format("{}, {}", phase.format, counted(phase.epochs, "epoch")), std::move(blocks)};
 }
 
-/// The part about the IMU beside a receiver that has one.
-std::vector<Block> imported_imu(const RunRecord& record, const ReceiverResults& one, Level level) {
-    if (!one.imu) return {};
+ProductPart imu_part(const RunRecord& /*record*/, const ReceiverResults& one, Level level) {
     const ImuTable& imu = *one.imu;
-    std::vector<Block> blocks{heading("IMU")};
-    add(blocks,
-        product_blocks(record, imu.header, one.files.at("imu"),
-                       fmt::format("{}, {}", imu.format, counted(imu.records.total, "sample")),
-                       level));
-    Block found = facts({});
-    add_fact(found, "Axes x, y, z", fmt::format("{}", fmt::join(imu.axes, ", ")));
-    add_fact(found, "Rate",
-             fmt::format("{} Hz; stamps jitter by {} ms", format_fixed(imu.clock.rate_hz, 3),
-                         format_fixed(imu.clock.jitter_s * 1e3, 2)));
-    add_fact(found, "Gaps", counted(imu.found.gaps));
+    Block found = facts(
+        {{"Axes x, y, z", fmt::format("{}", fmt::join(imu.axes, ", "))},
+         {"Rate", fmt::format("{} Hz; stamps jitter by {} ms", format_fixed(imu.clock.rate_hz, 3),
+                              format_fixed(imu.clock.jitter_s * 1e3, 2))},
+         {"Gaps", counted(imu.found.gaps)}});
     if (imu.rest)
         add_fact(found, "Quietest second",
                  fmt::format("{} m/s2, the down axis {} degrees from gravity",
                              format_fixed(imu.rest->specific_force_m_s2, 3),
                              format_fixed(imu.rest->down_deg, 1)));
-    blocks.push_back(std::move(found));
+    std::vector<Block> blocks{std::move(found)};
     if (!imu.notes.empty()) blocks.push_back(list_of(imu.notes));
     blocks.push_back(left_out_block(imu.records, level));
-    return blocks;
+    return {fmt::format("{}, {}", imu.format, counted(imu.records.total, "sample")),
+            std::move(blocks)};
 }
 
-/// The part about the surface that a receiver's craft runs on, where it was handed in.
-std::vector<Block> imported_surface(const RunRecord& record, const ReceiverResults& one,
-                                    Level level) {
-    if (!one.surface) return {};
+ProductPart surface_part(const RunRecord& /*record*/, const ReceiverResults& one, Level /*level*/) {
     const SurfaceTable& surface = *one.surface;
-    std::vector<Block> blocks{heading("Surface")};
-    add(blocks, product_blocks(record, surface.header, one.files.at("surface"),
-                               fmt::format("{}, {}", surface.format,
-                                           counted(surface.found.triangles, "triangle")),
-                               level));
     Block found = facts({});
     add_fact(found, "Source", surface.source);
     add_fact(found, "Vertices",
              fmt::format("{}, median edge {} m", surface.found.vertices,
                          format_fixed(surface.found.edge_m, 1)));
     add_fact(found, "Height of a vertex, standard deviation",
-             fmt::format("{} m", format_fixed(surface.vertical_sd_m, 3)));
+             format_fixed(surface.vertical_sd_m, 3) + " m");
     if (surface.undulation_m != 0.0)
-        add_fact(found, "Undulation added",
-                 fmt::format("{} m", format_fixed(surface.undulation_m, 3)));
+        add_fact(found, "Undulation added", format_fixed(surface.undulation_m, 3) + " m");
     for (const SurfaceRun& run : surface.made_from)
         add_fact(found, "Made from",
                  fmt::format("run {}, {}", run.id, counted(run.positions, "position")));
-    blocks.push_back(std::move(found));
+    std::vector<Block> blocks{std::move(found)};
     if (!surface.notes.empty()) blocks.push_back(list_of(surface.notes));
-    return blocks;
+    return {fmt::format("{}, {}", surface.format, counted(surface.found.triangles, "triangle")),
+            std::move(blocks)};
 }
 
-}  // namespace
-
-std::vector<Block> import_blocks(const RunRecord& record, const ReceiverResults& one, Level level) {
+ProductPart observations_part(const RunRecord& record, const ReceiverResults& one, Level level) {
     const Observations& observations = one.observations;
     const auto& rows = observations.rows;
-    std::vector<Block> blocks =
-        product_blocks(record, observations.header, one.files.at("observations"),
-                       counted(std::ssize(rows), "epoch"), level);
     Block recorded = recording_facts(observations, one.receiver, std::ssize(rows),
                                      rows.empty() ? ElapsedTime{} : rows.back().time);
     add_fact(recorded, "With a position", counted(positions_of(rows), "epoch"));
-    blocks.push_back(std::move(recorded));
-    blocks.push_back(left_out_block(observations.records, level));
+    std::vector<Block> blocks{std::move(recorded), left_out_block(observations.records, level)};
     add(blocks, parameter_blocks(record.attempt, {&observations.header}, level));
-    add(blocks, imported_phases(record, one, level));
-    add(blocks, imported_imu(record, one, level));
-    add(blocks, imported_surface(record, one, level));
-    return blocks;
+    return {counted(std::ssize(rows), "epoch"), std::move(blocks)};
 }
 
-std::vector<Block> enu_blocks(const RunRecord& record, const ReceiverResults& one, Level level) {
+ProductPart enu_part(const RunRecord& record, const ReceiverResults& one, Level level) {
     const EnuTable& table = one.enu;
     const auto positions = std::ranges::count_if(
         table.rows, [](const EnuEpoch& row) { return row.east_m.has_value(); });
-    std::vector<Block> blocks =
-        product_blocks(record, table.header, one.files.at("enu"),
-                       fmt::format("{}, {} with a position",
-                                   counted(std::ssize(table.rows), "epoch"), counted(positions)),
-                       level);
-    blocks.push_back(frame_facts(table.origin));
+    std::vector<Block> blocks{frame_facts(table.origin)};
     add(blocks, parameter_blocks(record.attempt, {&table.header}, level));
-    return blocks;
+    return {fmt::format("{}, {} with a position", counted(std::ssize(table.rows), "epoch"),
+                        counted(positions)),
+            std::move(blocks)};
 }
 
 }  // namespace runcert

@@ -9,7 +9,6 @@
 #include "core/text.h"
 #include "reports/audit/sections.h"
 #include "reports/run_speeds/run_speeds.h"
-#include "schemas/common/product_files.h"
 
 namespace runcert {
 namespace {
@@ -39,6 +38,17 @@ std::vector<Block> method_blocks(const TrajectoryTable& trajectory, const Window
     return {std::move(speeds)};
 }
 
+/// What was found by a rule, in these windows; nothing where the folder lacks the rule's text.
+std::optional<RuleView> rule_view(const RunRecord& record, const std::string& profile,
+                                  const ProfileWindows* windows) {
+    static const ProfileVerdict none;
+    const auto rule = std::ranges::find(record.profiles, profile, &Profile::id);
+    if (rule == record.profiles.end()) return std::nullopt;
+    const auto& verdicts = record.verdict.profiles;
+    const auto verdict = std::ranges::find(verdicts, profile, &ProfileVerdict::profile);
+    return RuleView{record.attempt, verdict == verdicts.end() ? none : *verdict, *rule, windows};
+}
+
 Block rule_is_missing(const std::string& profile) {
     return paragraph(fmt::format(
         "The text of the rule {} is MISSING from the folder: what was found by it is not shown.",
@@ -55,7 +65,7 @@ std::string indicated_text(const IndicatedWindow& indicated, const RuleView& rul
 }
 
 /// A course by its definitions, and what they differ by.
-void add_course(const CourseDirections& course, const std::string& name, Block& told) {
+Block course_facts(const std::string& name, const CourseDirections& course) {
     const auto degrees = [](double angle) { return format_fixed(angle, 4); };
     std::string text = fmt::format(
         "{}° along the loxodrome; {}° along the geodesic at its beginning, {}° at its end; {}° in "
@@ -67,7 +77,7 @@ void add_course(const CourseDirections& course, const std::string& name, Block& 
             fmt::format("; mean heading of the craft {}°", format_fixed(*course.heading_deg, 2));
     const double difference_deg = std::remainder(course.loxodrome_deg - course.geodesic_deg, 360.0);
     text += fmt::format(". Loxodrome less geodesic: {}°", degrees(difference_deg));
-    add_fact(told, name, text);
+    return facts({{name, text}});
 }
 
 std::vector<Block> rule_windows(const RunRecord& record, const ReceiverResults& one,
@@ -75,7 +85,7 @@ std::vector<Block> rule_windows(const RunRecord& record, const ReceiverResults& 
     std::vector<Block> blocks{heading("Rule " + windows.profile)};
     const auto rule = rule_view(record, windows.profile, &windows);
     if (!rule) return {blocks.front(), rule_is_missing(windows.profile)};
-    Block told = facts({{.name = "Looked for", .value = rule_words(rule->profile)}});
+    Block told = facts({{"Looked for", rule_words(rule->profile)}});
     if (windows.indicated)
         add_fact(told, "Fastest raw window", indicated_text(*windows.indicated, *rule));
     if (!rule->best()) {
@@ -88,11 +98,8 @@ std::vector<Block> rule_windows(const RunRecord& record, const ReceiverResults& 
     blocks.push_back(std::move(told));
     if (!rule->best()) return blocks;
     add(blocks, window_blocks(*rule, rule->best()->span));
-    if (windows.best && windows.best->course) {
-        Block course = facts({});
-        add_course(*windows.best->course, "Course of the window", course);
-        blocks.push_back(std::move(course));
-    }
+    if (const auto& course = rule->best()->course)
+        blocks.push_back(course_facts("Course of the window", *course));
     add(blocks, witness_blocks({*rule}));
     add(blocks, uncertainty_blocks(*rule));
     if (is_there(one.trajectory.header))
@@ -131,67 +138,45 @@ Block stand_table(const std::vector<Stand>& stands) {
     return table_of_stands;
 }
 
-/// What the IMU and the positions say together.
-std::vector<Block> attitude_blocks(const RunRecord& record, const ReceiverResults& one,
-                                   Level level) {
-    if (!one.attitude) return {};
-    const AttitudeTable& attitude = *one.attitude;
-    const InertialConsistency& found = attitude.consistency;
-    std::vector<Block> blocks{heading("Attitude")};
-    add(blocks, product_blocks(record, attitude.header, one.files.at("attitude"),
-                               counted(found.epochs, "position") + " took part", level));
-    add(blocks, attitude_facts(attitude));
-    return blocks;
-}
-
 }  // namespace
 
-std::vector<Block> smooth_blocks(const RunRecord& record, const ReceiverResults& one, Level level) {
+ProductPart trajectory_part(const RunRecord& record, const ReceiverResults& one, Level level) {
     const TrajectoryTable& table = one.trajectory;
     const auto smoothed = std::ranges::count_if(
         table.rows, [](const TrajectoryEpoch& row) { return row.speed_m_s.has_value(); });
-    std::vector<Block> blocks =
-        product_blocks(record, table.header, one.files.at("trajectory"),
-                       fmt::format("{}, {} with a smoothed speed",
-                                   counted(std::ssize(table.rows), "epoch"), counted(smoothed)),
-                       level);
-    add(blocks, parameter_blocks(record.attempt, {&table.header}, level));
+    std::vector<Block> blocks = parameter_blocks(record.attempt, {&table.header}, level);
     add(blocks, estimation_blocks(table.estimation));
-    add(blocks, attitude_blocks(record, one, level));
-    return blocks;
+    return {fmt::format("{}, {} with a smoothed speed", counted(std::ssize(table.rows), "epoch"),
+                        counted(smoothed)),
+            std::move(blocks)};
 }
 
-std::vector<Block> window_stage_blocks(const RunRecord& record, const ReceiverResults& one,
-                                       Level level) {
+ProductPart attitude_part(const RunRecord& /*record*/, const ReceiverResults& one,
+                          Level /*level*/) {
+    return {counted(one.attitude->consistency.epochs, "position") + " took part",
+            attitude_facts(*one.attitude)};
+}
+
+ProductPart windows_part(const RunRecord& record, const ReceiverResults& one, Level level) {
     const Windows& windows = one.windows;
-    std::vector<Block> blocks =
-        product_blocks(record, windows.header, one.files.at("windows"),
-                       counted(std::ssize(windows.profiles), "rule"), level);
-    add(blocks, parameter_blocks(record.attempt, {&windows.header}, level));
+    std::vector<Block> blocks = parameter_blocks(record.attempt, {&windows.header}, level);
     if (!windows.witness_notes.empty()) blocks.push_back(list_of(windows.witness_notes));
     if (!windows.stands.empty()) blocks.push_back(stand_table(windows.stands));
-    if (windows.course) {
-        Block course = facts({});
-        add_course(*windows.course, "Course of the run", course);
-        blocks.push_back(std::move(course));
-    }
+    if (windows.course) blocks.push_back(course_facts("Course of the run", *windows.course));
     for (const ProfileWindows& each : windows.profiles)
         add(blocks, rule_windows(record, one, each));
-    return blocks;
+    return {counted(std::ssize(windows.profiles), "rule"), std::move(blocks)};
 }
 
-std::vector<Block> check_blocks(const RunRecord& record, Level level) {
+ProductPart verdict_part(const RunRecord& record, const ReceiverResults& /*one*/, Level level) {
     const Verdict& verdict = record.verdict;
-    std::vector<Block> blocks = product_blocks(
-        record, verdict.header, std::string(products::verdict_file),
-        counted(std::ssize(verdict.profiles), "verdict") + ", of receiver " + verdict.receiver,
-        level);
-    add(blocks, parameter_blocks(record.attempt, {&verdict.header}, level));
+    std::vector<Block> blocks = parameter_blocks(record.attempt, {&verdict.header}, level);
     for (const ProfileVerdict& each : verdict.profiles)
         add(blocks, rule_verdict(record, each));
     if (!verdict.statements.empty())
         blocks.push_back(titled_list("What holds for the whole measurement", verdict.statements));
-    return blocks;
+    return {counted(std::ssize(verdict.profiles), "verdict") + ", of receiver " + verdict.receiver,
+            std::move(blocks)};
 }
 
 }  // namespace runcert

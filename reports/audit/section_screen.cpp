@@ -55,16 +55,12 @@ Block slip_table(const ReceiverResults& one, std::size_t count) {
     return slips;
 }
 
-/// The part about the carrier phases of a receiver that has some.
-std::vector<Block> screened_phases(const RunRecord& record, const ReceiverResults& one,
-                                   Level level) {
-    if (!one.screened_phase) return {};
+}  // namespace
+
+ProductPart screened_phase_part(const RunRecord& /*record*/, const ReceiverResults& one,
+                                Level level) {
     const ScreenedPhaseTable& phases = *one.screened_phase;
-    std::vector<Block> blocks{heading("Carrier phases")};
-    add(blocks,
-        product_blocks(record, phases.header, one.files.at("screened_phase"),
-                       fmt::format("{} with phases", counted(phases.epochs, "epoch")), level));
-    blocks.push_back(list_of(phase_sentences(phases)));
+    std::vector<Block> blocks{list_of(phase_sentences(phases))};
     const std::size_t count =
         level == Level::all ? one.slips.size() : std::min(one.slips.size(), slips_shown);
     if (count > 0) blocks.push_back(slip_table(one, count));
@@ -81,22 +77,15 @@ std::vector<Block> screened_phases(const RunRecord& record, const ReceiverResult
     if (!refused.empty())
         blocks.push_back(
             titled_list("Pairs of epochs that could not be judged", std::move(refused)));
-    return blocks;
+    return {fmt::format("{} with phases", counted(phases.epochs, "epoch")), std::move(blocks)};
 }
 
-}  // namespace
-
-std::vector<Block> screen_blocks(const RunRecord& record, const ReceiverResults& one, Level level) {
-    const ScreeningSummary summary = summarise(one.screened.rows);
-    std::vector<Block> blocks = product_blocks(
-        record, one.screened.header, one.files.at("screened"),
-        fmt::format("{}, {} of them used", counted(std::ssize(one.screened.rows), "epoch"),
-                    counted(summary.usable)),
-        level);
-    add(blocks, parameter_blocks(record.attempt, {&one.screened.header}, level));
+ProductPart screened_part(const RunRecord& record, const ReceiverResults& one, Level level) {
+    std::vector<Block> blocks = parameter_blocks(record.attempt, {&one.screened.header}, level);
     add(blocks, screening_blocks(one.screened, level));
-    add(blocks, screened_phases(record, one, level));
-    return blocks;
+    return {fmt::format("{}, {} of them used", counted(std::ssize(one.screened.rows), "epoch"),
+                        counted(summarise(one.screened.rows).usable)),
+            std::move(blocks)};
 }
 
 }  // namespace runcert

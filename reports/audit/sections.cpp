@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
+#include <set>
 
 #include "core/claimed_text.h"
 #include "core/prose.h"
@@ -13,16 +13,11 @@
 
 namespace runcert {
 
-using Json = nlohmann::ordered_json;
-
 namespace {
 
-/// The first digits of a hash, or all.
+/// A hash, in full or by as many of its digits as tell it from others.
 std::string hash_text(const std::string& sha256, Level level) {
-    constexpr std::size_t enough_to_tell_apart = 12;
-    return level == Level::all || sha256.size() <= enough_to_tell_apart
-               ? sha256
-               : sha256.substr(0, enough_to_tell_apart);
+    return level == Level::all ? sha256 : sha256.substr(0, 12);
 }
 
 Block inputs_table(const RunRecord& record, const Header& header, Level level) {
@@ -49,34 +44,63 @@ struct Product {
     std::string receiver;
     std::string file;
     const Header* header = nullptr;  ///< null where the file is not there
-    /// Of a receiver's: whose, and what makes its blocks.
+    PartOf* part = nullptr;
     const ReceiverResults* of = nullptr;
-    std::vector<Block> (*blocks)(const RunRecord&, const ReceiverResults&, Level) = nullptr;
+    std::string heading = {};  ///< of what stands beside another product of its stage; else empty
 };
 
-const Header* header_if_there(const Header& header) {
-    return is_there(header) ? &header : nullptr;
-}
-
+/// Of what stands beside another product those of which both are there.
 std::vector<Product> products_of(const RunRecord& record) {
     std::vector<Product> products;
+    const auto there = [](const Header& header) { return is_there(header) ? &header : nullptr; };
     for (const ReceiverResults& one : record.receivers) {
-        const std::string& id = one.receiver.id;
-        products.push_back({"import", id, one.files.at("observations"),
-                            header_if_there(one.observations.header), &one, import_blocks});
-        products.push_back(
-            {"enu", id, one.files.at("enu"), header_if_there(one.enu.header), &one, enu_blocks});
-        products.push_back({"screen", id, one.files.at("screened"),
-                            header_if_there(one.screened.header), &one, screen_blocks});
-        products.push_back({"smooth", id, one.files.at("trajectory"),
-                            header_if_there(one.trajectory.header), &one, smooth_blocks});
-        products.push_back({"window", id, one.files.at("windows"),
-                            header_if_there(one.windows.header), &one, window_stage_blocks});
+        const auto add = [&](const std::string& stage, const char* name, const Header& header,
+                             PartOf* part, const std::string& title = {}) {
+            products.push_back(
+                {stage, one.receiver.id, one.files.at(name), there(header), part, &one, title});
+        };
+        const auto add_beside = [&](const char* title, const char* name, const auto& table,
+                                    PartOf* part) {
+            if (table && products.back().header)
+                add(products.back().stage, name, table->header, part, title);
+        };
+        add("import", "observations", one.observations.header, observations_part);
+        add_beside("Raw phases", "phase", one.phase, phase_part);
+        add_beside("IMU", "imu", one.imu, imu_part);
+        add_beside("Surface", "surface", one.surface, surface_part);
+        add("enu", "enu", one.enu.header, enu_part);
+        add("screen", "screened", one.screened.header, screened_part);
+        add_beside("Carrier phases", "screened_phase", one.screened_phase, screened_phase_part);
+        add("smooth", "trajectory", one.trajectory.header, trajectory_part);
+        add_beside("Attitude", "attitude", one.attitude, attitude_part);
+        add("window", "windows", one.windows.header, windows_part);
     }
-    products.push_back(
-        {"check", {}, std::string(products::verdict_file), header_if_there(record.verdict.header)});
+    products.push_back({"check",
+                        {},
+                        std::string(products::verdict_file),
+                        there(record.verdict.header),
+                        verdict_part,
+                        &record.receivers.front()});
     products.push_back({"report", {}, "report.json", record.report ? &*record.report : nullptr});
     return products;
+}
+
+/// Where a product comes from and what became of it, as a table of its inputs and the facts of its
+/// own file; and what is told of it.
+void add_product(Section& section, const RunRecord& record, const Product& product, Level level) {
+    const Header& header = *product.header;
+    ProductPart part = product.part(record, *product.of, level);
+    const InputFile& own = *file_in(record, product.file);
+    if (!product.heading.empty()) add(section, heading(product.heading));
+    add(section, inputs_table(record, header, level));
+    add(section, facts({{"Went out", fmt::format("{}: {}, {} bytes", product.file, part.contents,
+                                                 counted(static_cast<std::int64_t>(own.bytes)))},
+                        {"Its SHA-256", hash_text(own.sha256, level)},
+                        {"That hash is named", named_text(record, product.file)},
+                        {"Made by", fmt::format("runcert {}, source {}", header.program_version,
+                                                header.source_revision)},
+                        {"Schema", header.schema_name + " " + header.schema_version}}));
+    add(section, std::move(part.blocks));
 }
 
 std::string record_text(const Record& record) {
@@ -158,7 +182,8 @@ std::string replaced_text(const Attempt& attempt) {
 
 /// What the run is, who made its files, and what is missing.
 Section run_section(const RunRecord& record, Level level) {
-    const std::vector<Product> products = products_of(record);
+    std::vector<Product> products = products_of(record);
+    std::erase_if(products, [](const Product& product) { return !product.heading.empty(); });
     std::vector<std::string> findings = findings_of(products);
     findings.push_back(replaced_text(record.attempt));
     findings.emplace_back(
@@ -171,16 +196,15 @@ Section run_section(const RunRecord& record, Level level) {
             .blocks = {facts_of(record), makers_of(products), list_of(std::move(findings))}};
 }
 
-/// "3. screen, receiver primary"
-std::string stage_title(const std::string& stage, const std::string& receiver) {
-    const auto& stages = audited_stages();
-    const auto number = std::find(stages.begin(), stages.end(), stage) - stages.begin() + 1;
-    return fmt::format("{}. {}{}", number, stage, receiver.empty() ? "" : ", receiver " + receiver);
-}
-
+/// The beginning of a section: "3. screen, receiver primary".
 Section stage_section(const Product& product) {
-    Section section{.anchor = product.stage, .title = stage_title(product.stage, product.receiver)};
-    if (!product.receiver.empty()) section.anchor += "-" + product.receiver;
+    const auto& stages = audited_stages();
+    const auto number = std::ranges::find(stages, product.stage) - stages.begin() + 1;
+    Section section{.anchor = product.stage, .title = fmt::format("{}. {}", number, product.stage)};
+    if (!product.receiver.empty()) {
+        section.anchor += "-" + product.receiver;
+        section.title += ", receiver " + product.receiver;
+    }
     if (!product.header)
         add(section, paragraph(fmt::format("{} is MISSING from the folder: what this stage decided "
                                            "cannot be shown. The walk goes on with what is there.",
@@ -190,30 +214,9 @@ Section stage_section(const Product& product) {
 
 }  // namespace
 
-std::vector<Block> product_blocks(const RunRecord& record, const Header& header,
-                                  const std::string& file, const std::string& contents,
-                                  Level level) {
-    const InputFile& own = *file_in(record, file);
-    return {inputs_table(record, header, level),
-            facts({{"Went out", fmt::format("{}: {}, {} bytes", file, contents,
-                                            counted(static_cast<std::int64_t>(own.bytes)))},
-                   {"Its SHA-256", hash_text(own.sha256, level)},
-                   {"That hash is named", named_text(record, file)},
-                   {"Made by", fmt::format("runcert {}, source {}", header.program_version,
-                                           header.source_revision)},
-                   {"Schema", header.schema_name + " " + header.schema_version}})};
-}
-
-std::optional<RuleView> rule_view(const RunRecord& record, const std::string& profile,
-                                  const ProfileWindows* windows) {
-    static const ProfileVerdict none;
-    const auto rule = std::ranges::find(record.profiles, profile, &Profile::id);
-    if (rule == record.profiles.end()) return std::nullopt;
-    const ProfileVerdict* verdict = &none;
-    if (is_there(record.verdict.header))
-        for (const ProfileVerdict& one : record.verdict.profiles)
-            if (one.profile == profile) verdict = &one;
-    return RuleView{record.attempt, *verdict, *rule, windows};
+bool holds_nothing(const RunRecord& record) {
+    return std::ranges::none_of(products_of(record),
+                                [](const Product& one) { return one.header != nullptr; });
 }
 
 const std::vector<std::string>& audited_stages() {
@@ -228,15 +231,15 @@ Document walk_through(const RunRecord& record, const WalkOptions& options) {
     if (options.stages.empty()) walk.sections.push_back(run_section(record, level));
     const std::vector<Product> products = products_of(record);
     for (const std::string& stage : audited_stages()) {
-        if (!options.stages.empty() && !options.stages.contains(stage)) continue;
+        if (!options.stages.empty() &&
+            std::ranges::find(options.stages, stage) == options.stages.end())
+            continue;
         for (const Product& product : products) {
-            const bool asked =
-                options.receiver.empty() || !product.of || options.receiver == product.receiver;
+            const bool asked = options.receiver.empty() || product.receiver.empty() ||
+                               options.receiver == product.receiver;
             if (product.stage != stage || !asked) continue;
-            Section& section = walk.sections.emplace_back(stage_section(product));
-            if (product.header)
-                add(section, product.of ? product.blocks(record, *product.of, level)
-                                        : check_blocks(record, level));
+            if (product.heading.empty()) walk.sections.push_back(stage_section(product));
+            if (product.header) add_product(walk.sections.back(), record, product, level);
         }
     }
     return walk;

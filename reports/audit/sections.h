@@ -6,27 +6,19 @@
 #include "reports/audit/record.h"
 #include "reports/results/results.h"
 
-// The sections of a walk; `walk_through` puts them together.
+// The parts of a walk; `walk_through` puts them together.
 
 namespace runcert {
 
-/// What a stage's section holds, where its product is there.
-std::vector<Block> import_blocks(const RunRecord& record, const ReceiverResults& one, Level level);
-std::vector<Block> enu_blocks(const RunRecord& record, const ReceiverResults& one, Level level);
-std::vector<Block> screen_blocks(const RunRecord& record, const ReceiverResults& one, Level level);
-std::vector<Block> smooth_blocks(const RunRecord& record, const ReceiverResults& one, Level level);
-std::vector<Block> window_stage_blocks(const RunRecord& record, const ReceiverResults& one,
-                                       Level level);
-std::vector<Block> check_blocks(const RunRecord& record, Level level);
+/// What is told of a product, beneath where it came from.
+struct ProductPart {
+    std::string contents;  ///< what is in it: "601 epochs"
+    std::vector<Block> blocks;
+};
+using PartOf = ProductPart(const RunRecord& record, const ReceiverResults& one, Level level);
 
-/// Where a product comes from and what became of it, as a table of its inputs and the facts of its
-/// own file. `contents` says what is in it ("601 epochs").
-std::vector<Block> product_blocks(const RunRecord& record, const Header& header,
-                                  const std::string& file, const std::string& contents,
-                                  Level level);
-
-/// What was found by a rule, in these windows; nothing where the folder lacks the rule's text.
-std::optional<RuleView> rule_view(const RunRecord& record, const std::string& profile,
-                                  const ProfileWindows* windows);
+/// Of each product that is there.
+PartOf observations_part, phase_part, imu_part, surface_part, enu_part, screened_part,
+    screened_phase_part, trajectory_part, attitude_part, windows_part, verdict_part;
 
 }  // namespace runcert

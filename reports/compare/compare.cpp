@@ -15,15 +15,12 @@
 namespace runcert {
 namespace {
 
-/// Rows of a window, first to last. Between them lie only rows of the same arc.
-using RowPair = EpochPair;
-
-/// The windows that can be certified, in order.
-std::vector<RowPair> candidate_rows(const TrajectoryTable& trajectory, double duration_s,
-                                    double duration_tolerance_s) {
+/// The windows that can be certified, in order, by their first and last rows.
+std::vector<EpochPair> candidate_rows(const TrajectoryTable& trajectory, double duration_s,
+                                      double duration_tolerance_s) {
     const std::vector<ArcRows> arcs = arcs_in(trajectory);
     const auto windows = certifiable_windows(trajectory, arcs, duration_s, duration_tolerance_s);
-    std::vector<RowPair> rows;
+    std::vector<EpochPair> rows;
     for (std::size_t a = 0; a < arcs.size(); ++a)
         for (const EpochPair& window : windows[a])
             rows.push_back({arcs[a].rows[window.first], arcs[a].rows[window.last]});
@@ -45,74 +42,27 @@ std::optional<double> rms_error(const std::vector<MethodEpoch>& epochs,
     return root_mean_square(errors);
 }
 
-/// What one profile's comparison rests on.
-struct Task {
-    const TrajectoryTable& trajectory;
-    const ProfileWindows& windows;
-    const std::vector<MethodEpoch>& truth;
-    std::vector<RowPair> candidates;
-    std::optional<RowPair> certified;
-
-    double time_s(std::size_t row) const { return trajectory.rows[row].time.seconds(); }
-
-    /// The speed of a window by a method, or by the truth; empty where a value is missing. A course
-    /// is not compared.
-    std::optional<double> speed_in(RowPair window, const std::vector<MethodEpoch>& epochs,
-                                   SpeedDefinition by) const {
-        if (by == SpeedDefinition::elapsed_time || epochs.empty()) return std::nullopt;
-        constexpr double missing = std::numeric_limits<double>::quiet_NaN();
-        const SpeedTrack track{
-            [&](std::size_t i) -> Eigen::Vector2d {
-                return epochs[i].position_m.value_or(Eigen::Vector2d::Constant(missing));
-            },
-            [&](std::size_t i) -> Eigen::Vector2d {
-                return {epochs[i].speed_m_s.value_or(missing), 0.0};
-            }};
-        const double speed_m_s =
-            speed_of(track, window, time_s(window.last) - time_s(window.first), {.definition = by});
-        return std::isnan(speed_m_s) ? std::nullopt : std::optional(speed_m_s);
-    }
-
-    std::optional<double> truth_in(RowPair window) const {
-        return speed_in(window, truth, windows.rule.definition);
-    }
-};
-
-MethodResult result_of(const Task& task, const MethodTrack& track) {
-    MethodResult result;
-    result.name = track.name;
-    result.window_speed = track.window_speed;
-    for (const RowPair window : task.candidates) {
-        const auto speed_m_s = task.speed_in(window, track.epochs, track.window_speed);
-        if (!speed_m_s || (result.best_m_s && *speed_m_s <= *result.best_m_s)) continue;
-        result.best_m_s = speed_m_s;
-        result.best_start = task.trajectory.rows[window.first].time;
-        result.best_error_m_s = difference(speed_m_s, task.truth_in(window));
-    }
-    if (task.certified) {
-        result.certified_m_s = task.speed_in(*task.certified, track.epochs, track.window_speed);
-        result.certified_error_m_s =
-            difference(result.certified_m_s, task.truth_in(*task.certified));
-    }
-    result.rms_error_m_s = rms_error(track.epochs, task.truth);
-    return result;
-}
-
-/// The speed that is certified, as another row.
-MethodResult certified_result(const ProfileWindows& windows, std::optional<double> true_m_s) {
-    MethodResult result;
-    result.name = "certified";
-    result.window_speed = windows.rule.definition;
-    if (!windows.best) return result;
-    result.best_start = windows.best->span.start;
-    result.best_m_s = result.certified_m_s = windows.best->speed_m_s;
-    result.certified_error_m_s = result.best_error_m_s = difference(result.best_m_s, true_m_s);
-    return result;
+/// The speed of a window by a method; empty where a value is missing. A course is not compared.
+std::optional<double> speed_in(const TrajectoryTable& trajectory, EpochPair window,
+                               const MethodTrack& by) {
+    if (by.window_speed == SpeedDefinition::elapsed_time || by.epochs.empty()) return std::nullopt;
+    constexpr double missing = std::numeric_limits<double>::quiet_NaN();
+    const SpeedTrack track{
+        [&](std::size_t i) -> Eigen::Vector2d {
+            return by.epochs[i].position_m.value_or(Eigen::Vector2d::Constant(missing));
+        },
+        [&](std::size_t i) -> Eigen::Vector2d {
+            return {by.epochs[i].speed_m_s.value_or(missing), 0.0};
+        }};
+    const auto time_s = [&](std::size_t row) { return trajectory.rows[row].time.seconds(); };
+    const double speed_m_s = speed_of(track, window, time_s(window.last) - time_s(window.first),
+                                      {.definition = by.window_speed});
+    return std::isnan(speed_m_s) ? std::nullopt : std::optional(speed_m_s);
 }
 
 /// The rows of the certified window; none where there is none.
-std::optional<RowPair> certified_rows(const TrajectoryTable& trajectory,
-                                      const ProfileWindows& windows) {
+std::optional<EpochPair> certified_rows(const TrajectoryTable& trajectory,
+                                        const ProfileWindows& windows) {
     if (!windows.best) return std::nullopt;
     const auto row_of = [&](std::int64_t number) {
         const auto found = std::ranges::find(trajectory.rows, number, &TrajectoryEpoch::epoch);
@@ -123,26 +73,50 @@ std::optional<RowPair> certified_rows(const TrajectoryTable& trajectory,
                           "Certify the attempt again");
         return static_cast<std::size_t>(found - trajectory.rows.begin());
     };
-    return RowPair{row_of(windows.best->span.first_epoch), row_of(windows.best->span.last_epoch)};
+    return EpochPair{row_of(windows.best->span.first_epoch), row_of(windows.best->span.last_epoch)};
 }
 
 constexpr const char* truth_of_this_recording =
     "Give the truth of this recording, at its own epochs, in seconds from the first of them";
 
-ProfileComparison compare_profile(const Task& task, const Methods& methods) {
-    ProfileComparison comparison{.windows = task.windows,
-                                 .candidates = std::ssize(task.candidates)};
-    if (task.certified) comparison.true_m_s = task.truth_in(*task.certified);
-    if (task.certified && !task.truth.empty() && !comparison.true_m_s)
+ProfileComparison compare_profile(const TrajectoryTable& trajectory, const ProfileWindows& windows,
+                                  const std::vector<MethodTrack>& tracks,
+                                  const std::vector<MethodEpoch>& true_epochs,
+                                  double duration_tolerance_s) {
+    const auto candidates =
+        candidate_rows(trajectory, windows.rule.duration_s, duration_tolerance_s);
+    const auto certified = certified_rows(trajectory, windows);
+    const MethodTrack truth{.window_speed = windows.rule.definition, .epochs = true_epochs};
+    ProfileComparison comparison{.windows = windows, .candidates = std::ssize(candidates)};
+    if (certified) comparison.true_m_s = speed_in(trajectory, *certified, truth);
+    if (certified && !true_epochs.empty() && !comparison.true_m_s)
         throw Failure("the truth file",
                       fmt::format("it does not tell the speed in the certified window for {}, "
                                   "{:.3f} s to {:.3f} s after the recording's first epoch",
-                                  task.windows.profile, task.time_s(task.certified->first),
-                                  task.time_s(task.certified->last)),
+                                  windows.profile, trajectory.rows[certified->first].time.seconds(),
+                                  trajectory.rows[certified->last].time.seconds()),
                       truth_of_this_recording);
-    for (const MethodTrack& track : methods.tracks)
-        comparison.methods.push_back(result_of(task, track));
-    comparison.methods.push_back(certified_result(task.windows, comparison.true_m_s));
+    for (const MethodTrack& track : tracks) {
+        MethodResult& result = comparison.methods.emplace_back(
+            MethodResult{.name = track.name, .window_speed = track.window_speed});
+        for (const EpochPair window : candidates) {
+            const auto speed_m_s = speed_in(trajectory, window, track);
+            if (!speed_m_s || (result.best_m_s && *speed_m_s <= *result.best_m_s)) continue;
+            result.best_m_s = speed_m_s;
+            result.best_start = trajectory.rows[window.first].time;
+            result.best_error_m_s = difference(speed_m_s, speed_in(trajectory, window, truth));
+        }
+        if (certified) result.certified_m_s = speed_in(trajectory, *certified, track);
+        result.certified_error_m_s = difference(result.certified_m_s, comparison.true_m_s);
+        result.rms_error_m_s = rms_error(track.epochs, true_epochs);
+    }
+    // The speed that is certified, as another row.
+    MethodResult& last = comparison.methods.emplace_back(
+        MethodResult{.name = "certified", .window_speed = windows.rule.definition});
+    if (!windows.best) return comparison;
+    last.best_start = windows.best->span.start;
+    last.best_m_s = last.certified_m_s = windows.best->speed_m_s;
+    last.best_error_m_s = last.certified_error_m_s = difference(last.best_m_s, comparison.true_m_s);
     return comparison;
 }
 
@@ -156,21 +130,17 @@ bool is_comparable(const WindowRule& rule) {
 
 CompareConfig compare_config(const Attempt& attempt) {
     const SmoothParameters& smooth = attempt.parameters.smooth;
-    CompareConfig config;
-    config.fit.initial_jerk_density = smooth.jerk_density;
-    config.fit.tau_min_s = smooth.error_time_min_s;
-    config.fit.tau_max_s = smooth.error_time_max_s;
-    config.fit.motion = motion_of(smooth.motion_model);
-    config.duration_tolerance_s = attempt.parameters.window.duration_tolerance_s;
-    return config;
+    return {.fit = {.initial_jerk_density = smooth.jerk_density,
+                    .tau_min_s = smooth.error_time_min_s,
+                    .tau_max_s = smooth.error_time_max_s,
+                    .motion = motion_of(smooth.motion_model)},
+            .duration_tolerance_s = attempt.parameters.window.duration_tolerance_s};
 }
 
 Comparison compare_methods(const ScreenedTable& screened, const TrajectoryTable& trajectory,
                            const Windows& windows, const CompareConfig& config,
                            const std::vector<MethodEpoch>& truth) {
-    Comparison comparison;
-    comparison.receiver = trajectory.facts.receiver;
-    comparison.with_truth = !truth.empty();
+    Comparison comparison{.receiver = trajectory.facts.receiver, .with_truth = !truth.empty()};
     for (std::size_t i = 0; i < trajectory.rows.size(); ++i) {
         if (!trajectory.rows[i].arc) continue;
         ++comparison.epochs;
@@ -181,22 +151,15 @@ Comparison compare_methods(const ScreenedTable& screened, const TrajectoryTable&
                       truth_of_this_recording);
     Methods methods = methods_of(screened, trajectory, config);
     comparison.notes = std::move(methods.notes);
-    for (const ProfileWindows& entry : windows.profiles) {
+    for (const ProfileWindows& entry : windows.profiles)
         if (is_comparable(entry.rule))
-            comparison.profiles.push_back(compare_profile(
-                {.trajectory = trajectory,
-                 .windows = entry,
-                 .truth = truth,
-                 .candidates =
-                     candidate_rows(trajectory, entry.rule.duration_s, config.duration_tolerance_s),
-                 .certified = certified_rows(trajectory, entry)},
-                methods));
+            comparison.profiles.push_back(compare_profile(trajectory, entry, methods.tracks, truth,
+                                                          config.duration_tolerance_s));
         else
             comparison.notes.push_back(fmt::format(
                 "{} is left out: methods are compared by horizontal speeds over windows of time, "
                 "from positions, between epochs",
                 entry.profile));
-    }
     for (const MethodTrack& track : methods.tracks)
         if (!track.unavailable.empty())
             comparison.notes.push_back(

@@ -39,12 +39,12 @@ CompareConfig compare_config(const Attempt& attempt);
 struct MethodResult {
     std::string name;
     SpeedDefinition window_speed = SpeedDefinition::displacement;
-    std::optional<ElapsedTime> best_start;  ///< of its own best window
-    std::optional<double> best_m_s;
-    std::optional<double> certified_m_s;  ///< in the certified window
-    std::optional<double> rms_error_m_s;  ///< of its speeds, over all epochs with truth
-    std::optional<double> certified_error_m_s;
-    std::optional<double> best_error_m_s;
+    std::optional<ElapsedTime> best_start = {};  ///< of its own best window
+    std::optional<double> best_m_s = {};
+    std::optional<double> certified_m_s = {};  ///< in the certified window
+    std::optional<double> rms_error_m_s = {};  ///< of its speeds, over all epochs with truth
+    std::optional<double> certified_error_m_s = {};
+    std::optional<double> best_error_m_s = {};
 };
 
 struct ProfileComparison {
@@ -59,8 +59,8 @@ struct Comparison {
     bool with_truth = false;
     std::int64_t epochs = 0;             ///< in arcs
     std::int64_t epochs_with_truth = 0;  ///< of them
-    std::vector<ProfileComparison> profiles;
-    std::vector<std::string> notes;  ///< a sentence each
+    std::vector<ProfileComparison> profiles = {};
+    std::vector<std::string> notes = {};  ///< a sentence each
 };
 
 /// All estimators' best windows side by side.

@@ -28,13 +28,11 @@ Section rule_section(const ProfileComparison& profile, const Record* record, boo
         return error_m_s ? format_fixed(*error_m_s * unit.per_m_s, decimals + 1) : "-";
     };
     Block told =
-        facts({{.name = "Speed",
-                .value = fmt::format("over {}, {}", time_span_text(windows.rule.duration_s),
+        facts({{"Speed", fmt::format("over {}, {}", time_span_text(windows.rule.duration_s),
                                      words_of(windows.rule.definition))},
-               {.name = "Windows", .value = counted(profile.candidates) + " can be certified"},
-               {.name = "Certified window",
-                .value = windows.best
-                             ? fmt::format("{} from {}", seconds_text(windows.best->span.duration),
+               {"Windows", counted(profile.candidates) + " can be certified"},
+               {"Certified window",
+                windows.best ? fmt::format("{} from {}", seconds_text(windows.best->span.duration),
                                            seconds_text(windows.best->span.start))
                              : "none"}});
     if (profile.true_m_s)

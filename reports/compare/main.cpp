@@ -12,44 +12,30 @@
 
 using namespace runcert;
 
-namespace {
-
-struct Options {
-    std::string run_dir;
-    std::string truth;
-    std::string receiver;
-};
-
-std::string compare_run(const Options& options) {
-    StageRun run = open_run("compare", options.run_dir);
-    const Attempt& attempt = run.attempt();
-    const Receiver& receiver = receiver_of(attempt, options.receiver);
-    const ScreenedTable screened = run.read(products::screened, receiver, read_screened);
-    const TrajectoryTable trajectory = run.read(products::trajectory, receiver, read_trajectory);
-    const Windows windows = run.read(products::windows, receiver, read_windows);
-    std::vector<MethodEpoch> truth;
-    if (!options.truth.empty())
-        truth = truth_at_rows(read_truth(read_file(options.truth), options.truth), trajectory);
-    const Comparison comparison =
-        compare_methods(screened, trajectory, windows, compare_config(attempt), truth);
-    return document_text(comparison_document(comparison, attempt), terminal_columns());
-}
-
-}  // namespace
-
 int main(int argc, char** argv) {
-    Options options;
+    std::string run_dir, truth_file, receiver_id;
     return reader_main(
         argc, argv, "compare",
         "All estimators' best windows side by side, for every profile of a run",
         [&](CommandLine& line) {
-            line.text("RUN_DIR", options.run_dir, "folder of a certified run",
-                      CommandLine::Need::required);
-            line.text("--truth", options.truth, "the true run (CSV, as runcert simulate writes)");
-            line.text("--receiver", options.receiver, "which receiver (default: the first)");
+            line.text("RUN_DIR", run_dir, "folder of a certified run", CommandLine::Need::required);
+            line.text("--truth", truth_file, "the true run (CSV, as runcert simulate writes)");
+            line.text("--receiver", receiver_id, "which receiver (default: the first)");
         },
         [&]() -> int {
-            fmt::print("{}", compare_run(options));
+            StageRun run = open_run("compare", run_dir);
+            const Attempt& attempt = run.attempt();
+            const Receiver& receiver = receiver_of(attempt, receiver_id);
+            const auto screened = run.read(products::screened, receiver, read_screened);
+            const auto trajectory = run.read(products::trajectory, receiver, read_trajectory);
+            const auto windows = run.read(products::windows, receiver, read_windows);
+            std::vector<MethodEpoch> truth;
+            if (!truth_file.empty())
+                truth = truth_at_rows(read_truth(read_file(truth_file), truth_file), trajectory);
+            const Comparison comparison =
+                compare_methods(screened, trajectory, windows, compare_config(attempt), truth);
+            fmt::print("{}",
+                       document_text(comparison_document(comparison, attempt), terminal_columns()));
             return 0;
         });
 }

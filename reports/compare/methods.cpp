@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -24,7 +25,7 @@ constexpr double default_velocity_sigma_m_s = 0.1;
 MethodTrack track_of(const std::string& name, SpeedDefinition window_speed,
                      const TrajectoryTable& trajectory, Column speed, Column east = nullptr,
                      Column north = nullptr) {
-    MethodTrack track{.name = name, .window_speed = window_speed, .epochs = {}};
+    MethodTrack track{.name = name, .window_speed = window_speed};
     for (const TrajectoryEpoch& row : trajectory.rows) {
         MethodEpoch& epoch = track.epochs.emplace_back();
         if (speed) epoch.speed_m_s = row.*speed;
@@ -35,11 +36,11 @@ MethodTrack track_of(const std::string& name, SpeedDefinition window_speed,
 }
 
 MethodTrack raw_positions(const ScreenedTable& screened) {
-    MethodTrack track{.name = "raw positions",
-                      .epochs = std::vector<MethodEpoch>(screened.rows.size())};
-    for (std::size_t i = 0; i < screened.rows.size(); ++i)
-        if (screened.rows[i].usable)
-            track.epochs[i].position_m = measured_position<2>(screened.rows[i]);
+    MethodTrack track{.name = "raw positions"};
+    for (const ScreenedEpoch& row : screened.rows) {
+        MethodEpoch& epoch = track.epochs.emplace_back();
+        if (row.usable) epoch.position_m = measured_position<2>(row);
+    }
     return track;
 }
 
@@ -198,6 +199,26 @@ void add_velocity_methods(const ScreenedTable& screened, Methods& methods) {
     methods.tracks.push_back(std::move(enhanced));
 }
 
+/// What was measured of the velocity between two epochs.
+std::optional<MeasuredVelocity> velocity_between(const std::optional<MeasuredVelocity>& before,
+                                                 const std::optional<MeasuredVelocity>& after) {
+    if (!before) return after;
+    if (!after) return before;
+    return MeasuredVelocity{
+        .velocity_m_s = 0.5 * (before->velocity_m_s + after->velocity_m_s),
+        .covariance_m2_s2 = 0.5 * (before->covariance_m2_s2 + after->covariance_m2_s2)};
+}
+
+void take_in(EnhancedKalmanState& state, const PositionMeasurement<3>& measured) {
+    const Eigen::Matrix3d gain =
+        state.covariance_m2 * (state.covariance_m2 + measured.covariance).inverse();
+    const Eigen::Matrix3d keep = Eigen::Matrix3d::Identity() - gain;
+    state.position_m += gain * (measured.position - state.position_m);
+    // Joseph form: symmetric and positive whatever the rounding of the gain.
+    state.covariance_m2 = keep * state.covariance_m2 * keep.transpose() +
+                          gain * measured.covariance * gain.transpose();
+}
+
 }  // namespace
 
 Methods methods_of(const ScreenedTable& screened, const TrajectoryTable& trajectory,
@@ -221,6 +242,32 @@ Methods methods_of(const ScreenedTable& screened, const TrajectoryTable& traject
                               &Row::robust_east_m, &Row::robust_north_m));
     add_velocity_methods(screened, methods);
     return methods;
+}
+
+std::vector<std::optional<EnhancedKalmanState>> filter_enhanced_kalman(
+    std::span<const ArcEpoch<3>> arc, std::span<const std::optional<MeasuredVelocity>> velocities) {
+    std::vector<std::optional<EnhancedKalmanState>> states;
+    std::optional<EnhancedKalmanState> state;
+    for (std::size_t k = 0; k < arc.size(); ++k) {
+        const auto& measured = arc[k].measurement;
+        const std::optional<MeasuredVelocity> input =
+            state ? velocity_between(velocities[k - 1], velocities[k]) : std::nullopt;
+        if (input) {
+            const double dt_s = arc[k].time_s - arc[k - 1].time_s;
+            const Eigen::Vector3d before_m = state->position_m;
+            state->position_m += input->velocity_m_s * dt_s;
+            state->covariance_m2 += input->covariance_m2_s2 * dt_s * dt_s;
+            if (measured) take_in(*state, *measured);
+            state->velocity_m_s = (state->position_m - before_m) / dt_s;
+        } else {
+            state.reset();
+            if (measured)
+                state = EnhancedKalmanState{.position_m = measured->position,
+                                            .covariance_m2 = measured->covariance};
+        }
+        states.push_back(state);
+    }
+    return states;
 }
 
 }  // namespace runcert

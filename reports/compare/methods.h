@@ -22,10 +22,10 @@ struct MethodEpoch {
 
 /// What one method says of every row of the trajectory.
 struct MethodTrack {
-    std::string name;
+    std::string name = {};
     /// How its figures make the speed of a window: displacement, or a mean of its speeds.
     SpeedDefinition window_speed = SpeedDefinition::displacement;
-    std::vector<MethodEpoch> epochs;
+    std::vector<MethodEpoch> epochs = {};
     std::string unavailable = {};  ///< why the method has no value at all; else empty
 };
 

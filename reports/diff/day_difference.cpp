@@ -14,11 +14,6 @@ namespace fs = std::filesystem;
 
 constexpr const char* day_file = "day.yaml";
 
-const AttemptResult* find(const AttemptsById& attempts, const std::string& id) {
-    const auto found = attempts.find(id);
-    return found == attempts.end() ? nullptr : found->second;
-}
-
 /// What tells one failure from another.
 std::pair<std::string, std::string> told(const std::optional<DayFailure>& failure) {
     return failure ? std::pair(failure->step, failure->problem)
@@ -98,16 +93,15 @@ bool DayComparison::equal() const {
 }
 
 DayComparison compare_results(const DayResults& old_day, const DayResults& new_day) {
-    const AttemptsById then = attempts_by_id(old_day);
-    const AttemptsById now = attempts_by_id(new_day);
+    const AttemptsById then = attempts_by_id(old_day), now = attempts_by_id(new_day);
     DayComparison comparison;
     for (const AttemptResult& attempt : old_day.attempts)
-        if (find(then, attempt.id) == &attempt && !now.contains(attempt.id))
+        if (then.at(attempt.id) == &attempt && !now.contains(attempt.id))
             comparison.only_old.push_back(attempt.id);
     for (const AttemptResult& attempt : new_day.attempts) {
-        if (find(now, attempt.id) != &attempt) continue;
-        if (const AttemptResult* before = find(then, attempt.id))
-            compare_attempt(comparison, *before, attempt);
+        if (now.at(attempt.id) != &attempt) continue;
+        if (const auto before = then.find(attempt.id); before != then.end())
+            compare_attempt(comparison, *before->second, attempt);
         else
             comparison.only_new.push_back(attempt.id);
     }

@@ -154,13 +154,6 @@ std::vector<std::string> cut(std::vector<std::string> names, bool all, const std
     return names;
 }
 
-void add_list(Section& section, const std::string& title, const std::vector<std::string>& ids,
-              bool all) {
-    if (ids.empty()) return;
-    add(section, titled_list(fmt::format("{}: {}", title, counted(std::ssize(ids))),
-                             cut(ids, all, "and {} more (--json has them all)")));
-}
-
 std::string state_words(const std::string& state, const std::optional<DayFailure>& failure) {
     if (state == "done") return "processed";
     if (state == "not_processed") return "left out";
@@ -288,8 +281,12 @@ Document comparison_document(const DayComparison& comparison, const std::filesys
                         "uncertainty, the smaller of the two; uncertainties to a tenth of "
                         "themselves.",
                         "note"));
-    add_list(days, "Only in the old day", comparison.only_old, all);
-    add_list(days, "Only in the new day", comparison.only_new, all);
+    for (const auto& [day, ids] :
+         {std::pair{"old", &comparison.only_old}, std::pair{"new", &comparison.only_new}})
+        if (!ids->empty())
+            add(days,
+                titled_list(fmt::format("Only in the {} day: {}", day, counted(std::ssize(*ids))),
+                            cut(*ids, all, "and {} more (--json has them all)")));
     std::vector<Change> states;
     for (const StateChange& change : comparison.states)
         states.push_back({change.id, state_words(change.old_state, change.old_failure),

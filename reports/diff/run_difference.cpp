@@ -23,8 +23,8 @@ using Json = nlohmann::ordered_json;
 struct RunFolder {
     fs::path folder;
     Attempt attempt;
-    Json claims;                            ///< the attempt, but for its parameters
-    std::map<std::string, Json> headers{};  ///< of the products that are there
+    Json claims;                                     ///< the attempt, but for its parameters
+    std::map<std::string, ProductParts> products{};  ///< those that are there
 };
 
 RunFolder read_run_folder(const fs::path& folder) {
@@ -40,8 +40,8 @@ RunFolder read_run_folder(const fs::path& folder) {
     run.claims.erase("parameters");
     for (const std::string& name : product_files(run.attempt))
         if (const fs::path product = folder / name; fs::exists(product))
-            run.headers[name] = parts_of(FileView(product).bytes(), product.string()).header;
-    if (run.headers.empty())
+            run.products[name] = parts_of(FileView(product).bytes(), product.string());
+    if (run.products.empty())
         throw Failure(folder.string(), "the folder holds no file of any stage",
                       "Name two folders that `runcert certify` wrote");
     return run;
@@ -55,8 +55,8 @@ bool is_input(const std::string& file) {
 /// SHA-256 of the inputs by their names, as the headers claim them.
 Json claimed_hashes(const RunFolder& run) {
     Json hashes = Json::object();
-    for (const auto& [product, header] : run.headers)
-        for (const Json& input : header.value("inputs", Json::array()))
+    for (const auto& [name, product] : run.products)
+        for (const Json& input : product.header.value("inputs", Json::array()))
             if (const std::string file = text_in(&input, "file"); is_input(file))
                 hashes[file] = text_in(&input, "sha256");
     return hashes;
@@ -89,14 +89,10 @@ std::vector<Change> as_changes(const std::string& of, const Json& a, const Json&
     return changes;
 }
 
-std::string stage_text(const Json& header, const char* member) {
-    const Json stage = header.value("stage", Json());
-    return text_in(&stage, member);
-}
-
 std::string maker_of(const Json& header) {
-    return fmt::format("runcert {}, source {}", stage_text(header, "version"),
-                       stage_text(header, "source_revision"));
+    const Json* stage = member_of(&header, "stage");
+    return fmt::format("runcert {}, source {}", text_in(stage, "version"),
+                       text_in(stage, "source_revision"));
 }
 
 /// Adds what the headers of a product say of its programs and parameters. Files of the same two
@@ -113,17 +109,17 @@ void add_header_changes(RunCauses& causes, const std::string& product, const Jso
             known->what += ", " + product;
     }
     for (Change& change :
-         as_changes(stage_text(a, "name") + ".", a.value("parameters", Json::object()),
-                    b.value("parameters", Json::object())))
+         as_changes(text_in(member_of(&a, "stage"), "name") + ".",
+                    a.value("parameters", Json::object()), b.value("parameters", Json::object())))
         if (std::ranges::find(causes.parameters, change) == causes.parameters.end())
             causes.parameters.push_back(std::move(change));
 }
 
 RunCauses causes_of(const RunFolder& a, const RunFolder& b, std::vector<Change> inputs) {
     RunCauses causes{.inputs = std::move(inputs), .attempt = as_changes("", a.claims, b.claims)};
-    for (const auto& [product, header] : a.headers)
-        if (const auto other = b.headers.find(product); other != b.headers.end())
-            add_header_changes(causes, product, header, other->second);
+    for (const auto& [name, product] : a.products)
+        if (const auto other = b.products.find(name); other != b.products.end())
+            add_header_changes(causes, name, product.header, other->second.header);
     return causes;
 }
 
@@ -136,45 +132,40 @@ std::string epoch_state(const EcsvReader& table) {
            (table.is_missing(before) ? "" : fmt::format("; {} before it", table.text(before)));
 }
 
-void note_epoch(EpochDifference& epochs, const JoinedRow& row, const EcsvReader& a,
-                const EcsvReader& b) {
-    if (std::string one = epoch_state(a), other = epoch_state(b); one != other)
-        epochs.changes.push_back({row, std::move(one), std::move(other)});
-}
-
-void add_table(RunDifference& difference, ProductDifference& product, const fs::path& a,
-               const fs::path& b) {
-    const FileView text_a(a), text_b(b);
-    const ComparisonRules rules{.declared = &product_fields(product.file)};
-    const bool screened = product.file.starts_with(products::screened.stem);
-    EpochDifference epochs;
-    const DifferentRow note = [&](const auto& row, const auto& in_a, const auto& in_b) {
-        if (screened) note_epoch(epochs, row, in_a, in_b);
+/// Compares a table that both runs have; of a screened one its epochs, too.
+TableComparison table_difference(RunDifference& difference, const std::string& name,
+                                 const RunFolder& a, const RunFolder& b) {
+    const fs::path file_a = a.folder / name, file_b = b.folder / name;
+    EpochDifference epochs{.receiver = text_in(&a.products.at(name).results, "receiver")};
+    const bool screened = name.starts_with(products::screened.stem);
+    const DifferentRow note = [&](const JoinedRow& row, const EcsvReader& in_a,
+                                  const EcsvReader& in_b) {
+        if (!screened) return;
+        if (std::string one = epoch_state(in_a), other = epoch_state(in_b); one != other)
+            epochs.changes.push_back({row, std::move(one), std::move(other)});
     };
-    product.table =
-        compare_tables(text_a.bytes(), text_b.bytes(), a.string(), b.string(), rules, note);
-    if (!screened) return;
-    const Json results = parts_of(text_a.bytes(), a.string()).results;
-    epochs.receiver = text_in(&results, "receiver");
-    epochs.rows_a = product.table->rows_a;
-    epochs.rows_b = product.table->rows_b;
-    epochs.joined = product.table->joined;
-    difference.epochs.push_back(std::move(epochs));
+    TableComparison table =
+        compare_tables(FileView(file_a).bytes(), FileView(file_b).bytes(), file_a.string(),
+                       file_b.string(), {.declared = &product_fields(name)}, note);
+    epochs.rows_a = table.rows_a;
+    epochs.rows_b = table.rows_b;
+    epochs.joined = table.joined;
+    if (screened) difference.epochs.push_back(std::move(epochs));
+    return table;
 }
 
-void add_document(RunDifference& difference, ProductDifference& product, const fs::path& in_a,
-                  const fs::path& in_b) {
-    const Json a = parts_of(FileView(in_a).bytes(), in_a.string()).results;
-    const Json b = parts_of(FileView(in_b).bytes(), in_b.string()).results;
-    product.values = value_differences(a, b, {.declared = &product_fields(product.file)});
-    if (product.file == products::verdict_file) {
+/// The same of a document: its values, and what people ask of it first.
+std::vector<ValueDifference> document_difference(RunDifference& difference, const std::string& name,
+                                                 const Json& a, const Json& b) {
+    if (name == products::verdict_file) {
         difference.verdicts = verdict_changes(a, b);
-        return;
+    } else {
+        const bool of_first = name == products::windows_file;
+        std::ranges::move(
+            window_changes(a, b, of_first ? "" : " of receiver " + text_in(&a, "receiver")),
+            std::back_inserter(difference.windows));
     }
-    const bool of_first = product.file == products::windows_file;
-    for (Change& change :
-         window_changes(a, b, of_first ? "" : " of receiver " + text_in(&a, "receiver")))
-        difference.windows.push_back(std::move(change));
+    return value_differences(a, b, {.declared = &product_fields(name)});
 }
 
 }  // namespace
@@ -213,17 +204,18 @@ RunDifference difference_of_runs(const fs::path& folder_a, const fs::path& folde
     const RunFolder a = read_run_folder(folder_a), b = read_run_folder(folder_b);
     RunDifference difference{
         .causes = causes_of(a, b, hash_changes(file_hashes(a), file_hashes(b), "not named"))};
-    std::map<std::string, Json> in_either = a.headers;
-    in_either.insert(b.headers.begin(), b.headers.end());
-    for (const auto& [name, header] : in_either) {
-        ProductDifference product{.file = name};
-        if (!a.headers.contains(name) || !b.headers.contains(name))
-            product.missing_in = a.headers.contains(name) ? "b" : "a";
+    std::map<std::string, ProductParts> in_either = a.products;
+    in_either.insert(b.products.begin(), b.products.end());
+    for (const auto& [name, product] : in_either) {
+        ProductDifference& found =
+            difference.products.emplace_back(ProductDifference{.file = name});
+        if (!a.products.contains(name) || !b.products.contains(name))
+            found.missing_in = a.products.contains(name) ? "b" : "a";
         else if (name.ends_with(".ecsv"))
-            add_table(difference, product, folder_a / name, folder_b / name);
+            found.table = table_difference(difference, name, a, b);
         else
-            add_document(difference, product, folder_a / name, folder_b / name);
-        difference.products.push_back(std::move(product));
+            found.values =
+                document_difference(difference, name, product.results, b.products.at(name).results);
     }
     return difference;
 }

@@ -15,36 +15,25 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// A figure of a window, as it is written.
-struct WindowFigure {
-    const char* key;
-    const char* name;
-    const char* unit;
-    int decimals;
+/// The figures of a window, and their names.
+constexpr std::pair<const char*, const char*> window_figures[] = {
+    {"start_time_s", "start"},
+    {"duration_s", "duration"},
+    {"speed_m_s", "speed"},
+    {"standard_uncertainty_m_s", "standard uncertainty"}};
 
-    std::string text(double value) const {
-        return fmt::format("{} {}", format_fixed(value, decimals), unit);
-    }
-};
-
-constexpr WindowFigure start{"start_time_s", "start", "s", 3};
-constexpr WindowFigure speed{"speed_m_s", "speed", "m/s", 6};
-constexpr WindowFigure window_figures[] = {
-    start,
-    {"duration_s", "duration", "s", 3},
-    speed,
-    {"standard_uncertainty_m_s", "standard uncertainty", "m/s", 6}};
-
-/// The maps that a difference is, or is in.
-std::pair<const Json*, const Json*> maps_of(const TreeDifference& at, bool itself) {
-    if (itself) return {at.a, at.b};
-    return {at.maps.back(), at.map_b};
+/// A figure as it is written: of a speed, or of a time.
+std::string figure_text(std::string_view key, double value) {
+    const bool of_speed = key.ends_with("_m_s");
+    return format_fixed(value, of_speed ? 6 : 3) + (of_speed ? " m/s" : " s");
 }
 
 std::string presence(const Json* window) {
     if (window == nullptr) return "none";
-    return fmt::format("{} from {} on", speed.text(number_in(window, speed.key).value_or(0.0)),
-                       start.text(number_in(window, start.key).value_or(0.0)));
+    const auto text = [&](const char* key) {
+        return figure_text(key, number_in(window, key).value_or(0.0));
+    };
+    return fmt::format("{} from {} on", text("speed_m_s"), text("start_time_s"));
 }
 
 std::string refusals_of(const Json* indicated) {
@@ -71,16 +60,6 @@ void add(std::vector<Change>& changes, Change change) {
         changes.push_back(std::move(change));
 }
 
-void add_figure(std::vector<Change>& changes, const std::string& window, const WindowFigure& figure,
-                const Json* a, const Json* b) {
-    const auto from = number_in(a, figure.key), to = number_in(b, figure.key);
-    if (!from || !to) return;
-    std::string note = (*to > *from ? "+" : "") + figure.text(*to - *from);
-    if (figure.key == speed.key) note += in_uncertainties(a, b, *to - *from);
-    changes.push_back({fmt::format("{}, {}", window, figure.name), figure.text(*from),
-                       figure.text(*to), std::move(note)});
-}
-
 /// What a difference says of the window of that name ("best", "indicated") of a rule.
 void add_window_change(std::vector<Change>& changes, const std::string& rule,
                        const std::string& window, const TreeDifference& at) {
@@ -88,10 +67,17 @@ void add_window_change(std::vector<Change>& changes, const std::string& rule,
     if (!at.declared.starts_with(path)) return;
     const std::string name = fmt::format("{}, {} window", rule, window);
     const std::string member = at.declared.substr(path.size());
-    const auto [a, b] = maps_of(at, member.empty());
-    if (member.empty()) add(changes, {name, presence(at.a), presence(at.b)});
-    for (const WindowFigure& figure : window_figures)
-        if (member == std::string(".") + figure.key) add_figure(changes, name, figure, a, b);
+    const Json* a = member.empty() ? at.a : at.maps.back();
+    const Json* b = member.empty() ? at.b : at.map_b;
+    if (member.empty()) add(changes, {name, presence(a), presence(b)});
+    for (const auto& [key, figure] : window_figures) {
+        const auto from = number_in(a, key), to = number_in(b, key);
+        if (member != std::string(".") + key || !from || !to) continue;
+        const std::string size = (*to > *from ? "+" : "") + figure_text(key, *to - *from);
+        changes.push_back(
+            {fmt::format("{}, {}", name, figure), figure_text(key, *from), figure_text(key, *to),
+             member == ".speed_m_s" ? size + in_uncertainties(a, b, *to - *from) : size});
+    }
     if (window == "indicated" && (member.empty() || member.starts_with(".refusals")))
         add(changes, {name, refusals_of(a), refusals_of(b)});
 }
@@ -120,10 +106,12 @@ std::vector<Change> verdict_changes(const Json& a, const Json& b) {
         const bool of_status = at.declared == "profiles[].requirements[]" ||
                                at.declared == "profiles[].requirements[].status";
         if (!of_outcome && !of_status) continue;
-        const auto [in_a, in_b] = maps_of(at, at.declared.ends_with("[]"));
         const char* member = of_outcome ? "outcome" : "status";
+        const auto text = [&](const Json* value) {
+            return value && value->is_string() ? value->get<std::string>() : text_in(value, member);
+        };
         add(changes, {fmt::format("{}, {}", at.keys.front(), of_outcome ? member : at.keys.back()),
-                      text_in(in_a, member), text_in(in_b, member)});
+                      text(at.a), text(at.b)});
     }
     return changes;
 }

@@ -79,11 +79,6 @@ bool is_uncertainty_column(const std::string& column) {
            column == "local_variance_factor";
 }
 
-bool is_written_alike(const EcsvColumn& a, const EcsvColumn& b) {
-    return a.type == b.type && a.unit == b.unit &&
-           (a.type != CellType::real || a.decimals == b.decimals);
-}
-
 /// A column that both tables have.
 struct JoinedColumn {
     std::size_t a = 0;
@@ -102,7 +97,9 @@ std::vector<JoinedColumn> join_columns(TableComparison& found, const EcsvReader&
             found.columns_only_a.push_back(column.name);
             continue;
         }
-        if (!is_written_alike(column, b.columns()[*other]))
+        const EcsvColumn& in_b = b.columns()[*other];
+        if (column.type != in_b.type || column.unit != in_b.unit ||
+            (column.type == CellType::real && column.decimals != in_b.decimals))
             found.columns_otherwise.push_back(column.name);
         joined.push_back({.a = i,
                           .b = *other,
@@ -146,11 +143,6 @@ bool is_larger(const CellDifference& cell, const CellDifference& than) {
            (!than.difference || std::abs(*cell.difference) > std::abs(*than.difference));
 }
 
-void note(TableComparison& found, ColumnDifference& column, CellDifference cell) {
-    if (!cell.tolerated && !found.first_not_tolerated) found.first_not_tolerated = cell;
-    if (++column.cells == 1 || is_larger(cell, column.largest)) column.largest = std::move(cell);
-}
-
 bool is_of_header(std::string_view member) {
     return member == "schema" || member == "stage" || member == "inputs" ||
            member == "parameters" || member == "attempt";
@@ -190,7 +182,10 @@ TableComparison compare_tables(std::string_view text_a, std::string_view text_b,
             if (auto cell = compare_cells(a.rows, b.rows, column)) {
                 if (!row) row = current_row(a, b);
                 cell->row = *row;
-                note(found, column.found, std::move(*cell));
+                if (!cell->tolerated && !found.first_not_tolerated)
+                    found.first_not_tolerated = cell;
+                ColumnDifference& of = column.found;
+                if (++of.cells == 1 || is_larger(*cell, of.largest)) of.largest = std::move(*cell);
             }
         if (row && different_row) different_row(*row, a.rows, b.rows);
     }

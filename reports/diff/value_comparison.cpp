@@ -125,12 +125,6 @@ bool is_of_search(std::string_view path) {
            path.starts_with("estimation.variance_factor");
 }
 
-/// The declaration of a value, where there is one: of free members (`map.*`) that of them all.
-const FieldRule* declaration_of(const DocumentSchema& schema, std::string_view path) {
-    if (const FieldRule* rule = schema.find(path)) return rule;
-    return schema.find(fmt::format("{}.*", path.substr(0, path.rfind('.'))));
-}
-
 constexpr double deciding_part_of_uncertainty = 1e-6;
 constexpr double deciding_part_of_value = 1e-9;
 constexpr double part_of_search = 0.01;
@@ -145,7 +139,9 @@ double tolerance_of(const TreeDifference& at, std::string_view name, double unce
     const double value = std::abs(at.a->get<double>());
     if (rules.deciding)
         return std::max(deciding_part_of_uncertainty * uncertainty, deciding_part_of_value * value);
-    const FieldRule* rule = declaration_of(*rules.declared, at.declared);
+    const FieldRule* rule = rules.declared->find(at.declared);
+    if (rule == nullptr)  // of free members one declaration holds for them all
+        rule = rules.declared->find(at.declared.substr(0, at.declared.rfind('.')) + ".*");
     if (rule == nullptr || std::ranges::find(rule->types, "real") == rule->types.end()) return 0.0;
     if (is_of_search(at.path)) return part_of_search * value + least;
     if (is_uncertainty(name)) uncertainty = std::max(uncertainty, value);

@@ -39,7 +39,7 @@ struct MapLine {
 /// Lines in the order in which they are drawn: "windows", "course", "track".
 struct MapFolder {
     std::string name;
-    std::vector<MapLine> lines;
+    std::vector<MapLine> lines = {};
 };
 
 /// What of a run lies on the map.

@@ -27,13 +27,7 @@ struct Options {
 /// The table that no stage writes.
 constexpr const char* of_rule_speeds = "rule_speeds";
 
-/// The table that is exported as CSV.
-std::string table_of(const Options& options) {
-    return options.table.empty() ? std::string(products::trajectory.name) : options.table;
-}
-
-std::string table_text(StageRun& run, const Receiver& receiver, const Options& options) {
-    const std::string name = table_of(options);
+std::string table_text(StageRun& run, const Receiver& receiver, const std::string& name) {
     if (name == of_rule_speeds)
         return rule_speeds_csv(run.read(products::trajectory, receiver, read_trajectory),
                                read_claimed_rules(run.run_dir(), run.attempt()));
@@ -47,16 +41,15 @@ std::string table_text(StageRun& run, const Receiver& receiver, const Options& o
     return csv_text(run.read_text("table", file), (run.run_dir() / file).string());
 }
 
-std::string map_text(StageRun& run, const Receiver& receiver, const Options& options) {
-    const Attempt& attempt = run.attempt();
+std::string map_text(StageRun& run, const Receiver& receiver, std::int64_t every) {
     const TrajectoryTable trajectory = run.read(products::trajectory, receiver, read_trajectory);
-    MapInput input{.attempt = &attempt,
+    MapInput input{.attempt = &run.attempt(),
                    .receiver = &receiver,
                    .trajectory = &trajectory,
-                   .every = options.every};
+                   .every = every};
     Windows windows;
     Verdict verdict;
-    if (receiver.id == attempt.receivers.front().id) {
+    if (receiver.id == run.attempt().receivers.front().id) {
         windows = run.read(products::windows, receiver, read_windows);
         verdict = run.read(products::verdict, read_verdict);
         input.windows = &windows;
@@ -70,21 +63,19 @@ std::filesystem::path out_file(const Attempt& attempt, const Receiver& receiver,
     if (!options.out.empty()) return options.out;
     std::string name = attempt.id;
     if (receiver.id != attempt.receivers.front().id) name += "." + receiver.id;
-    if (options.format == "csv") name += "." + table_of(options);
+    if (options.format == "csv") name += "." + options.table;
     return name + "." + options.format;
 }
 
-void check_options(const Options& options) {
-    if (!options.table.empty() && options.format != "csv")
+void export_run(Options options) {
+    const bool map = options.format == "kml";
+    if (!options.table.empty() && map)
         throw Failure("--table", "only --format csv exports a table",
                       "Leave it out: a map is made of the trajectory");
-    if (options.every != 1 && options.format == "csv")
+    if (options.every != 1 && !map)
         throw Failure("--every", "a table is exported with all its rows",
                       "Leave it out, or export a map");
-}
-
-int export_run(const Options& options) {
-    check_options(options);
+    if (options.table.empty()) options.table = products::trajectory.name;
     StageRun run = open_run("export", options.run_dir);
     const Receiver& receiver = receiver_of(run.attempt(), options.receiver);
     const std::filesystem::path out = out_file(run.attempt(), receiver, options);
@@ -92,15 +83,11 @@ int export_run(const Options& options) {
     if (!printed && !options.force && std::filesystem::exists(out))
         throw Failure(out.string(), "the file exists already",
                       "Choose another name with --out, or replace it with --force");
-    const std::string text = options.format == "csv" ? table_text(run, receiver, options)
-                                                     : map_text(run, receiver, options);
-    if (printed) {
-        fmt::print("{}", text);
-        return 0;
-    }
+    const std::string text =
+        map ? map_text(run, receiver, options.every) : table_text(run, receiver, options.table);
+    if (printed) return fmt::print("{}", text);
     write_file_atomically(out, text);
     fmt::print("export    {}\n", out.string());
-    return 0;
 }
 
 }  // namespace
@@ -123,5 +110,8 @@ int main(int argc, char** argv) {
                          1'000'000'000);
             line.flag("--force", options.force, "replace the file if it exists");
         },
-        [&]() -> int { return export_run(options); });
+        [&]() -> int {
+            export_run(options);
+            return 0;
+        });
 }

@@ -19,10 +19,6 @@ namespace {
 
 using Rows = std::span<const TrajectoryEpoch>;
 
-bool has_place(const TrajectoryEpoch& row) {
-    return row.east_m && row.north_m;
-}
-
 std::string point_text(const Geodetic& at, bool with_height) {
     constexpr int degree_decimals = 9;
     std::string text = format_fixed(at.longitude.degrees(), degree_decimals) + ',' +
@@ -30,71 +26,48 @@ std::string point_text(const Geodetic& at, bool with_height) {
     return with_height ? text + ',' + format_fixed(at.height_m, 3) : text;
 }
 
-/// Turns rows of the trajectory into geodetic coordinates.
-class ToTheEarth {
-  public:
-    explicit ToTheEarth(const MapInput& input)
-        : frames_(*input.trajectory->origin),
-          ground_m_(input.receiver->height_m.value_or(input.trajectory->origin->position.height_m)),
-          vertical_measured_(input.trajectory->facts.vertical_measured) {}
-
-    /// Of every so many rows, and of the last; none of rows without a place.
-    std::vector<std::string> points(Rows rows, std::int64_t every = 1) const {
-        std::vector<std::string> points;
-        for (std::size_t i = 0; i < rows.size(); ++i)
-            if ((i % static_cast<std::size_t>(every) == 0 || i + 1 == rows.size()) &&
-                has_place(rows[i]))
-                points.push_back(point(rows[i]));
-        return points;
+/// A row on the Earth. Without a height: the position with this east and north whose height is the
+/// one that import put it at. Up and height run alike to 1.3e-4 within 100 km of the origin, so
+/// that few steps do.
+std::string point_of(const MapInput& input, const PlaceFrames& frames, const TrajectoryEpoch& row) {
+    constexpr int most_steps = 10;
+    constexpr double near_m = 1e-6;
+    const TrajectoryTable& trajectory = *input.trajectory;
+    const double ground_m = input.receiver->height_m.value_or(trajectory.origin->position.height_m);
+    Eigen::Vector3d enu_m(*row.east_m, *row.north_m, row.up_m.value_or(0.0));
+    Geodetic at = frames.geodetic(row.time, enu_m);
+    for (int i = 0; i < most_steps && !row.up_m && std::abs(at.height_m - ground_m) > near_m; ++i) {
+        enu_m.z() += ground_m - at.height_m;
+        at = frames.geodetic(row.time, enu_m);
     }
-
-  private:
-    /// Without a height: the position with this east and north whose height is the one that import
-    /// put it at. Up and height run alike to 1.3e-4 within 100 km of the origin, so that few steps
-    /// do.
-    std::string point(const TrajectoryEpoch& row) const {
-        constexpr int most_steps = 10;
-        constexpr double near_m = 1e-6;
-        Eigen::Vector3d enu_m(*row.east_m, *row.north_m, row.up_m.value_or(0.0));
-        Geodetic at = frames_.geodetic(row.time, enu_m);
-        const auto is_there = [&] { return std::abs(at.height_m - ground_m_) <= near_m; };
-        for (int i = 0; i < most_steps && !row.up_m && !is_there(); ++i) {
-            enu_m.z() += ground_m_ - at.height_m;
-            at = frames_.geodetic(row.time, enu_m);
-        }
-        return point_text(at, row.up_m && vertical_measured_);
-    }
-
-    PlaceFrames frames_;
-    double ground_m_;
-    bool vertical_measured_;
-};
-
-/// When and where in the recording these rows are.
-std::vector<Fact> facts_of(Rows rows, const RecordingFacts& facts) {
-    const ElapsedTime start = rows.front().time;
-    WindowSpan span{.first_epoch = rows.front().epoch,
-                    .last_epoch = rows.back().epoch,
-                    .start = start,
-                    .duration = {rows.back().time.nanoseconds - start.nanoseconds},
-                    .start_gps = std::nullopt};
-    if (facts.first_epoch) span.start_gps = facts.first_epoch->plus_nanoseconds(start.nanoseconds);
-    return span_facts(span).facts;
+    return point_text(at, row.up_m && trajectory.facts.vertical_measured);
 }
 
-MapFolder track_of(const MapInput& input, const ToTheEarth& earth) {
-    MapFolder track{.name = "track", .lines = {}};
+/// Of every so many rows, and of the last; none of rows without a place.
+std::vector<std::string> points_of(const MapInput& input, Rows rows, std::int64_t every = 1) {
+    const PlaceFrames frames(*input.trajectory->origin);
+    std::vector<std::string> points;
+    for (std::size_t i = 0; i < rows.size(); ++i)
+        if ((i % static_cast<std::size_t>(every) == 0 || i + 1 == rows.size()) && rows[i].east_m &&
+            rows[i].north_m)
+            points.push_back(point_of(input, frames, rows[i]));
+    return points;
+}
+
+MapFolder track_of(const MapInput& input) {
+    MapFolder track{.name = "track"};
     const std::vector<TrajectoryEpoch>& rows = input.trajectory->rows;
-    for (auto from = rows.begin(); from != rows.end();) {
-        const auto to = std::ranges::find_if(
-            from, rows.end(), [&](const TrajectoryEpoch& row) { return row.arc != from->arc; });
-        const Rows arc(from, to);
-        if (from->arc)
-            track.lines.push_back({.name = fmt::format("track, arc {}", *from->arc),
-                                   .rgb = "333333",
-                                   .facts = facts_of(arc, input.trajectory->facts),
-                                   .points = earth.points(arc, input.every)});
-        from = to;
+    for (auto from = rows.begin(), to = from; from != rows.end(); from = to) {
+        to = std::ranges::find_if(from, rows.end(),
+                                  [&](const TrajectoryEpoch& row) { return row.arc != from->arc; });
+        if (!from->arc) continue;
+        const TrajectoryEpoch& last = *std::prev(to);
+        const WindowSpan span =
+            window_span(input.trajectory->facts, from->epoch, last.epoch, from->time, last.time);
+        track.lines.push_back({.name = fmt::format("track, arc {}", *from->arc),
+                               .rgb = "333333",
+                               .facts = span_facts(span).facts,
+                               .points = points_of(input, {from, to}, input.every)});
     }
     return track;
 }
@@ -116,12 +89,11 @@ Rows rows_of(const WindowSpan& span, const TrajectoryTable& trajectory) {
 /// What is said of a window of a rule, which is certified, or refused for reasons.
 std::vector<Fact> facts_of(const ProfileVerdict& verdict, const WindowSpan& span, double speed_m_s,
                            const std::optional<double>& expanded_uncertainty_m_s,
-                           const std::vector<std::string>& refusals = {}) {
-    Block told =
-        facts({{.name = "Rule", .value = verdict.profile},
-               {.name = "Body", .value = verdict.body},
-               {.name = "Title", .value = verdict.title},
-               {.name = "Speed defined as", .value = std::string(words_of(verdict.definition))}});
+                           const std::vector<std::string>& refusals) {
+    Block told = facts({{"Rule", verdict.profile},
+                        {"Body", verdict.body},
+                        {"Title", verdict.title},
+                        {"Speed defined as", std::string(words_of(verdict.definition))}});
     if (refusals.empty()) {
         add_fact(told, "Outcome", outcome_words(state_of(verdict)).title);
         add_fact(told, "Why", verdict.reason);
@@ -140,44 +112,41 @@ std::vector<Fact> facts_of(const ProfileVerdict& verdict, const WindowSpan& span
 /// The windows of one rule, in the order in which they are drawn. Colours are those of Okabe and
 /// Ito [OI08], which the colour-blind tell apart. Windows of several rules lie over one another,
 /// and get narrower from the first on.
-void add_windows(const MapInput& input, std::size_t rule, const ToTheEarth& earth,
-                 MapFolder& windows) {
+void add_windows(const MapInput& input, std::size_t rule, MapFolder& windows) {
     constexpr std::array rule_rgb{"0072B2", "009E73", "CC79A7", "56B4E9"};
     constexpr const char* refused_rgb = "D55E00";
     const int width = 10 - 2 * static_cast<int>(std::min<std::size_t>(rule, 3));
     const ProfileVerdict& verdict = input.verdict->profiles[rule];
     const std::string unit = verdict.shown ? verdict.shown->unit : "km/h";
-    const auto add = [&](const std::string& speed, const WindowSpan& span,
-                         std::vector<Fact> told) -> MapLine& {
+    const auto add = [&](const std::string& name, const WindowSpan& span, double speed_m_s,
+                         const std::optional<double>& expanded_uncertainty_m_s,
+                         const std::vector<std::string>& refusals = {}) -> MapLine& {
         return windows.lines.emplace_back(
-            MapLine{.name = fmt::format("{}: {}", verdict.profile, speed),
+            MapLine{.name = fmt::format("{}: {}", verdict.profile, name),
                     .rgb = rule_rgb[rule % rule_rgb.size()],
                     .width = width,
-                    .facts = std::move(told),
-                    .points = earth.points(rows_of(span, *input.trajectory))});
+                    .facts = facts_of(verdict, span, speed_m_s, expanded_uncertainty_m_s, refusals),
+                    .points = points_of(input, rows_of(span, *input.trajectory))});
     };
     if (const auto& refused = verdict.indicated) {
         MapLine& line =
             add(speed_beside(verdict, refused->speed_m_s, unit) + " REFUSED, not certified",
-                refused->span,
-                facts_of(verdict, refused->span, refused->speed_m_s, {}, refused->refusals));
+                refused->span, refused->speed_m_s, {}, refused->refusals);
         line.rgb = refused_rgb;
         line.width += 2;
     }
     if (const ProfileWindows* found = windows_of(*input.windows, verdict.profile))
         for (const FurtherWindow& window : found->further)
             add(speed_beside(verdict, window.speed_m_s, unit) + ", another window of the mean",
-                window.span,
-                facts_of(verdict, window.span, window.speed_m_s,
-                         expanded_uncertainty_m_s(window, verdict.coverage_factor)));
+                window.span, window.speed_m_s,
+                expanded_uncertainty_m_s(window, verdict.coverage_factor));
     if (verdict.window && verdict.speed_m_s)
-        add(measured_speed_text(shown_of(verdict, unit)), *verdict.window,
-            facts_of(verdict, *verdict.window, *verdict.speed_m_s,
-                     verdict.expanded_uncertainty_m_s));
+        add(measured_speed_text(shown_of(verdict, unit)), *verdict.window, *verdict.speed_m_s,
+            verdict.expanded_uncertainty_m_s);
 }
 
 MapFolder course_of(const Attempt& attempt) {
-    MapFolder course{.name = "course", .lines = {}};
+    MapFolder course{.name = "course"};
     const auto add = [&](const char* name, const CourseLine& line) {
         if (line.left.geodetic && line.right.geodetic)
             course.lines.push_back({.name = name,
@@ -218,15 +187,14 @@ RunMap map_of(const MapInput& input) {
                       "its positions are engineering coordinates, and it was not stated where on "
                       "the Earth they lie: there is no map to put them on",
                       "Export the tables instead: --format csv");
-    const ToTheEarth earth(input);
-    MapFolder windows{.name = "windows", .lines = {}};
+    MapFolder windows{.name = "windows"};
     if (input.windows != nullptr && input.verdict != nullptr &&
         input.verdict->receiver == trajectory.facts.receiver)
         for (std::size_t rule = 0; rule < input.verdict->profiles.size(); ++rule)
-            add_windows(input, rule, earth, windows);
+            add_windows(input, rule, windows);
     RunMap map{.name = input.attempt->id,
                .about = about(input),
-               .folders = {std::move(windows), course_of(*input.attempt), track_of(input, earth)}};
+               .folders = {std::move(windows), course_of(*input.attempt), track_of(input)}};
     for (MapFolder& folder : map.folders)  // a refused window may hold no smoothed position
         std::erase_if(folder.lines, [](const MapLine& line) { return line.points.empty(); });
     std::erase_if(map.folders, [](const MapFolder& folder) { return folder.lines.empty(); });

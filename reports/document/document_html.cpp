@@ -74,8 +74,10 @@ Json shown_cells(const Json& row, const Json& columns) {
 Json shown_block(Json block) {
     block["is_" + block.at("kind").get<std::string>()] = true;
     if (block.contains("facts"))
-        for (Json& fact : block["facts"])
+        for (Json& fact : block["facts"]) {
             make_link(fact);
+            fact["long"] = fact.at("value").get_ref<const std::string&>().size() > long_word;
+        }
     if (!block.contains("rows")) return block;
     const Json columns = block.value("columns", Json::array());
     block["has_heads"] =

@@ -136,7 +136,8 @@ Json report_json(ReportInputs inputs) {
                             {"craft_name", inputs.attempt.craft.name},
                             {"craft_class", inputs.attempt.craft.kind}};
     predicate["verdict"] =
-        body_of(write_verdict(inputs.verdict), std::string(products::verdict_file));
+        body_of(inputs.verdict_text.empty() ? write_verdict(inputs.verdict) : inputs.verdict_text,
+                std::string(products::verdict_file));
     round_to_table(predicate, report_field_table());
     predicate["figures"] = Json::array();
     const auto document = [&] {

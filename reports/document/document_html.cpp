@@ -183,7 +183,7 @@ std::string_view document_style() {
 
 std::string document_page(const Document& document, const PageParts& parts) {
     Json json = members_json(document);
-    draw_plots(json, parts.plots);
+    draw_plots(json, parts.plots, true);
     Json data{{"page_title", document.title}, {"subtitle", document.subtitle}};
     data["contents"] = contents_of(json);
     TemplateData shown = template_data(data);

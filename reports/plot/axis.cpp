@@ -135,7 +135,7 @@ PlotAxes axes_of(const Plot& plot, const DrawingSize& size) {
             axes.y_min = low;
             axes.y_max = high;
             axes.high =
-                std::min(1.6 * size.height,
+                std::min(size.most_height,
                          axes.wide * std::clamp((high - low) / (to - from), flattest, highest));
             equalise(axes);
         }

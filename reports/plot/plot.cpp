@@ -188,7 +188,7 @@ Plots read_plots(const Json& figures, const std::string& where) {
     return read;
 }
 
-void draw_plots(Json& document, const Plots& plots) {
+void draw_plots(Json& document, const Plots& plots, bool slim_too) {
     for (Json& section : document["sections"])
         for (Json& block : section["blocks"]) {
             if (!block.contains("plots")) continue;
@@ -201,6 +201,7 @@ void draw_plots(Json& document, const Plots& plots) {
                         fmt::format("its document shows figure {} of {}", number + 1, plots.size()),
                         "The file was changed; take the original");
                 plot["image"] = plot_svg(plots[number], is_small ? small_drawing : DrawingSize{});
+                if (slim_too) plot["slim_image"] = plot_svg(plots[number], slim_drawing);
             }
         }
 }

@@ -104,8 +104,12 @@ struct DrawingSize {
     double width = 660.0;
     double height = 200.0;  ///< of the frame, where the figure asks for none of its own
     double letters = 11.5;
+    double most_height = 320.0;  ///< of the frame of a track, whatever its shape
 };
-inline constexpr DrawingSize small_drawing{.width = 325.0, .height = 130.0, .letters = 10.0};
+inline constexpr DrawingSize small_drawing{
+    .width = 325.0, .height = 100.0, .letters = 10.0, .most_height = 105.0};
+/// For a telephone, on a page where no chart takes the drawing's place.
+inline constexpr DrawingSize slim_drawing{.width = 330.0, .height = 180.0, .most_height = 240.0};
 
 /// The figure as an <svg> element that stands in a page: colours are attributes, which a page's
 /// style may replace. Letters are measured as DejaVu Sans, so that no two texts overlap; a line has
@@ -118,8 +122,9 @@ std::string svg_text(const std::string& text);
 /// The width of a text in DejaVu Sans, in ems; letters that are not measured count as wide ones.
 double text_width(const std::string& text);
 
-/// Puts the drawing of each plot of a document, `sections[].blocks[].plots[]`, into `image`; small
-/// where its block is. Failure where the document names a figure that there is not.
-void draw_plots(nlohmann::ordered_json& document, const Plots& plots);
+/// Puts the drawing of each plot of a document, `sections[].blocks[].plots[]`, into `image`, small
+/// where its block is; and if so, into `slim_image` that for a telephone. Failure where the
+/// document names a figure that there is not.
+void draw_plots(nlohmann::ordered_json& document, const Plots& plots, bool slim_too = false);
 
 }  // namespace runcert

@@ -61,6 +61,7 @@ struct RunView {
     std::vector<Profile> profiles = {};
     std::vector<ReceiverResults> receivers = {};  ///< in the order of the attempt's
     Verdict verdict = {};
+    std::string verdict_text = {};  ///< of its file, whose figures are rounded each by itself
     std::vector<InputFile> files = {};
     /// Of a file, which files name its hash; of what an audit reads.
     std::map<std::string, std::vector<std::string>> named_by = {};

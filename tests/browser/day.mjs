@@ -42,7 +42,9 @@ describe("the page of a day", () => {
 
   test("the required speed can be seen", async () => {
     await withPage(pages.dayPage(), async (page) => {
-      const strokes = await page.locator(".picture .required").evaluateAll((lines) =>
+      const drawing = page.locator(".drawing svg").first();
+      assert.match(await drawing.textContent(), /required speed/);
+      const strokes = await drawing.locator("path").evaluateAll((lines) =>
         lines.map((line) => getComputedStyle(line).stroke));
       assert.ok(strokes.length > 0);
       for (const stroke of strokes) assert.match(stroke, /^rgb\(/);

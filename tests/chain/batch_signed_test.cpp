@@ -77,7 +77,9 @@ TEST_F(Batches, PagesComeAndGoWithWhatIsAskedFor) {
 
     const BatchSaid without = again({"--only", "one", "--no-pdf"});
     EXPECT_EQ(without.exit_status, 0) << without.errors;
-    EXPECT_EQ(without.ran.at("one").at("render"), "parameters: pdf true -> false");
+    EXPECT_EQ(
+        without.ran.at("one").at("render"),
+        "parameters: pages.1 \"certificate.pdf\" -> nothing, pages.2 \"report.pdf\" -> nothing");
     EXPECT_EQ(again(only).exit_status, 0);
     EXPECT_EQ(made("one"), full);
     EXPECT_EQ(again({"--only", "one", "--no-render"}).steps_run, 0);

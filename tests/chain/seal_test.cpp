@@ -30,7 +30,7 @@ class Seal : public testing::Test {
         for (const char* program : {"podofosign", "pdfsig", "pdfdetach", "qpdf", "weasyprint"})
             if (!has_program(program)) missing_ = program;
         if (!missing_.empty()) return;
-        signed_ = new SignedRun("salt_lake", "");
+        signed_ = new SignedRun("salt_lake", "--quiet");
         const ProcessResult keys = shell(signed_->path(), make_keys);
         ASSERT_EQ(keys.exit_status, 0) << keys.errors;
         const ProcessResult attached =

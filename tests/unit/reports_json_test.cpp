@@ -133,6 +133,21 @@ TEST(ReportJson, TheSpeedOverEachRulesLengthIsDrawn) {
         EXPECT_NE(figure["figure"], "average");
 }
 
+// Written again, a speed in miles per hour can come out other by its last digit: it was rounded
+// from more digits than the metres per second have.
+TEST(ReportJson, HoldsTheVerdictAsItsFileHasIt) {
+    sample::Run run = sample::make_run();
+    run.inputs.verdict_text = write_verdict(run.inputs.verdict);
+    const std::string key = "speed_mph: ";
+    const std::size_t digit =
+        run.inputs.verdict_text.find('\n', run.inputs.verdict_text.find(key)) - 1;
+    char& last = run.inputs.verdict_text.at(digit);
+    last = last == '5' ? '6' : '5';
+    const Json verdict = report_json(run.inputs)["predicate"]["verdict"];
+    const double speed = verdict["profiles"][0]["speed_mph"];
+    EXPECT_EQ(fmt::format("{:.4f}", speed).back(), last);
+}
+
 TEST(ReportJson, LongRunsAreThinned) {
     const auto run = sample::make_run({.epochs = 28200, .interval_s = 0.05});
     const Json figures = report_json(run.inputs)["predicate"]["figures"];

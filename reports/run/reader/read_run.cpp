@@ -124,7 +124,11 @@ RunView RunReader::read() && {
         note(file);
     for (const Receiver& receiver : run_.attempt().receivers)
         view.receivers.push_back(read_receiver(receiver));
-    view.verdict = read(products::verdict, view.attempt.receivers.front(), read_verdict);
+    view.verdict = read(products::verdict, view.attempt.receivers.front(),
+                        [&](std::string_view text, const std::string& where) {
+                            view.verdict_text = text;
+                            return read_verdict(text, where);
+                        });
     view.files = run_.inputs();
     view.named_by = std::move(named_by_);
     return view;

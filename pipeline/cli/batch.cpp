@@ -14,6 +14,7 @@
 #include "make/slurm.h"
 #include "reports/diff/day_difference.h"
 #include "reports/document/document_text.h"
+#include "run/chain.h"
 #include "schemas/day/day.h"
 #include "store/process.h"
 #include "trust/signing.h"

@@ -254,6 +254,11 @@ int certify(const CertifyOptions& options) {
                 }
             });
         show(report);
+        // Where time may run out, all is there before anything takes the earlier run's place.
+        if (whole && time_is_limited()) {
+            whole->put_into(staging.path());
+            whole.reset();
+        }
     } catch (const StageFailed& failed) {
         line.clear();
         fmt::print(stderr, "{}", message_of(failed));

@@ -44,8 +44,7 @@ int run_companion(const std::string& name, const std::string& run,
 
 int render_pages(const fs::path& run_dir, const std::string& roster, const std::string& done) {
     // Whoever asked for some pages gets no others later.
-    std::vector<std::string> pages(page_names.begin(), page_names.end());
-    std::erase_if(pages, [&](const std::string& page) { return !fs::exists(run_dir / page); });
+    std::vector<std::string> pages = pages_in(run_dir);
     if (pages.empty()) pages.assign(page_names.begin(), page_names.end());
     try {
         {

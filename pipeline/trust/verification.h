@@ -180,6 +180,9 @@ VerificationStep verify_pages(const std::filesystem::path& run_dir, const Report
 void take_report(const std::filesystem::path& run_dir, const std::filesystem::path& folder,
                  const std::optional<std::vector<std::string>>& shown = std::nullopt);
 
+/// Which of `page_names` a run folder holds, as files and no links.
+std::vector<std::string> pages_in(const std::filesystem::path& run_dir);
+
 /// The SHA-256 of the roster that report.html was made with, as it says; empty where it names none.
 std::string roster_of_pages(const std::filesystem::path& run_dir);
 

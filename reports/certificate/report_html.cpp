@@ -170,7 +170,8 @@ ReportSigner read_signer(const SignatureFile& signature) {
 }
 
 Json page_parts_json() {
-    return {{"template_sha256", sha256_hex(std::string(report_text("template/page.html")) +
+    return {{"drawing_sha256", drawing_fingerprint()},
+            {"template_sha256", sha256_hex(std::string(report_text("template/page.html")) +
                                            std::string(sections_template()))},
             {"style_sha256", sha256_hex(page_style())},
             {"script_sha256", sha256_hex(page_script())}};

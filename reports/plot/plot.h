@@ -116,6 +116,10 @@ inline constexpr DrawingSize slim_drawing{.width = 330.0, .height = 180.0, .most
 /// no more points than can be seen. The same figure gives the same bytes on every machine.
 std::string plot_svg(const Plot& plot, const DrawingSize& size = {});
 
+/// Which writer draws: SHA-256 of what it makes of a fixed plot of every part, 64 hexadecimal
+/// digits.
+std::string drawing_fingerprint();
+
 /// A text as SVG and HTML have it, in an attribute too.
 std::string svg_text(const std::string& text);
 

@@ -10,6 +10,7 @@
 #include "core/text.h"
 #include "reports/plot/axis.h"
 #include "reports/plot/plot.h"
+#include "store/sha256.h"
 
 namespace runcert {
 namespace {
@@ -133,7 +134,9 @@ class Path {
   public:
     explicit Path(const Box& frame) : frame_(frame) {}
 
+    /// A point that is none ends the line.
     void add(Point to) {
+        if (!std::isfinite(to.x) || !std::isfinite(to.y)) return interrupt();
         if (column_.empty() || std::floor(to.x) != std::floor(column_.front().x)) flush();
         column_.push_back(to);
     }
@@ -222,7 +225,7 @@ class Drawing {
 
     /// Writes a text at the first of some places where it is within the frame and covers no other;
     /// nowhere if there is none.
-    bool write_free(const std::string& text, std::initializer_list<Point> places) {
+    void write_free(const std::string& text, std::initializer_list<Point> places) {
         for (const Point& at : places) {
             const Box box = box_of(text, at);
             if (!frame_.holds(box) ||
@@ -230,10 +233,8 @@ class Drawing {
                 continue;
             taken_.push_back(box);
             out_ += rectangle(box, paper, 0.75);
-            write(text, at);
-            return true;
+            return write(text, at);
         }
-        return false;
     }
 
     void add_spans() {
@@ -309,7 +310,9 @@ class Drawing {
         for (std::size_t i = 0; i < curve.lower.size();) {
             Path above(wide_frame()), below(wide_frame());
             std::vector<Point> lower;
-            for (; i < curve.lower.size() && !std::isnan(curve.lower[i]); ++i) {
+            for (; i < curve.lower.size() &&
+                   std::isfinite(curve.x[i] + curve.lower[i] + curve.upper[i]);
+                 ++i) {
                 above.add({axes_.across(curve.x[i]), held(curve.upper[i])});
                 lower.push_back({axes_.across(curve.x[i]), held(curve.lower[i])});
             }
@@ -337,10 +340,7 @@ class Drawing {
         else {
             Path line(frame_);
             for (std::size_t i = 0; i < curve.size(); ++i)
-                if (std::isfinite(curve.y[i]))
-                    line.add(place(curve.x[i], curve.y[i]));
-                else
-                    line.interrupt();
+                line.add(place(curve.x[i], curve.y[i]));
             path = line.finished();
         }
         if (!path.empty())
@@ -405,6 +405,7 @@ class Drawing {
     void add_marks() {
         for (const PlotMark& mark : plot_.marks) {
             const Point at = place(mark.x, mark.y);
+            if (!frame_.holds({at.x, at.y, at.x, at.y})) continue;
             out_ += fmt::format(
                 "<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3.2\" fill=\"none\" stroke=\"{}\" "
                 "stroke-width=\"1.5\"/>\n",
@@ -488,6 +489,35 @@ std::string svg_text(const std::string& text) {
 
 std::string plot_svg(const Plot& plot, const DrawingSize& size) {
     return Drawing(plot, size).svg();
+}
+
+std::string drawing_fingerprint() {
+    Plot plot{.title = "title", .x_label = "x (s)", .y_label = "y (m)"};
+    Range x, y;
+    for (const char* const kind : {"line", "thin", "dashed", "points", "outline"}) {
+        Curve curve{std::string(kind) + ", one", kind,
+                    std::string(colours[plot.curves.size()].name)};
+        for (int i = 0; i < 1500; ++i) {
+            if (i % 400 == 399) curve.interrupt();
+            curve.add(1e-2 * i, i % 37 + 10.0 * static_cast<double>(plot.curves.size()), 2.5, y);
+            x.widen(1e-2 * i);
+        }
+        plot.add(std::move(curve));
+    }
+    for (const SpanStyle& style : span_styles)
+        plot.spans.push_back(
+            {std::string(style.kind) + ", one", std::string(style.kind), 2.0, 5.0});
+    plot.levels = {{"level, one", 20.0}, {"level, two", 20.5}};
+    plot.marks = {{"mark", 3.0, 30.0}, {"mark", 3.1, 30.0}};
+    plot.set_axes(x, y);
+    std::string drawn = plot_svg(plot) + plot_svg(plot, small_drawing);
+    plot.equal_scale = true;
+    drawn += plot_svg(plot);
+    plot.equal_scale = false;
+    plot.rows = {{"row", 10.0}};
+    drawn += plot_svg(plot);
+    plot.rows.front().value = "value";
+    return sha256_hex(drawn + plot_svg(plot, slim_drawing));
 }
 
 }  // namespace runcert

@@ -288,6 +288,27 @@ TEST(Plot, WhatIsNoFigureIsRefusedByName) {
     }
 }
 
+// What no program of this one writes, and a forger may: points and bands that are half there.
+TEST(Plot, HalfOfAPointIsNotDrawn) {
+    Range speeds;
+    Curve band{"band", "line", "blue"};
+    for (int i = 0; i < 5; ++i)
+        band.add(i, 10.0 + i, 0.5, speeds);
+    for (const char* const list : {"x", "y", "lower", "upper"}) {
+        auto json = plot_json(plot_of(band));
+        json["curves"][0][list][2] = nullptr;
+        for (const char* const kind : {"line", "points"}) {
+            json["curves"][0]["curve_kind"] = kind;
+            expect_sound(read_plots(nlohmann::ordered_json::array({json}), "r").at(0));
+        }
+    }
+    Plot plot = plot_of(band);
+    plot.marks = {{"far away", 1e308, 11.0}, {"near", 2.0, 11.0}};
+    expect_sound(plot);
+    EXPECT_EQ(plot_svg(plot).find("far away"), std::string::npos);
+    EXPECT_NE(plot_svg(plot).find(">near<"), std::string::npos);
+}
+
 // The bytes are those of every machine: arithmetic is that of IEEE 754 alone.
 TEST(Plot, HasTheSameBytesEverywhere) {
     Plot plot = plot_of(curve_of({0.1, 0.7, nan, 0.3, 12.25, 1.0 / 3.0}));

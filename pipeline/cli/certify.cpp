@@ -1,8 +1,13 @@
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
 #include <ctime>
 #include <filesystem>
 #include <future>
@@ -27,6 +32,7 @@
 #include "schemas/verdict/outcome.h"
 #include "store/atomic_file.h"
 #include "store/external_program.h"
+#include "store/folder.h"
 #include "store/process.h"
 #include "store/program.h"
 #include "trust/signature_files.h"
@@ -125,27 +131,53 @@ void print_stage(const StageDone& stage) {
     std::fflush(stdout);
 }
 
+/// Pages of a run in making. What draws them is started while the run is measured, and waits for
+/// the report on its standard input: starting takes it longer than drawing the first page.
+class PagesToCome {
+  public:
+    PagesToCome(const fs::path& run_dir, const std::vector<std::string>& pages) {
+        std::array<int, 2> ends{};
+        if (pipe2(ends.data(), O_CLOEXEC) != 0)
+            throw Failure("starting a program", std::strerror(errno), "Close other programs");
+        input_ = FileDescriptor(ends[0]);
+        begin_ = FileDescriptor(ends[1]);
+        const StepCall call{.attempt = run_dir / attempt_copy_name,
+                            .run_dir = run_dir,
+                            .pages = pages,
+                            .waits = true};
+        ProcessOptions options{.environment = {synced_by_caller()}};
+        options.standard_input = fmt::format("/proc/self/fd/{}", input_.number());
+        done_ = std::async(std::launch::async,
+                           [call, options] { return run_step("render", call, options); });
+    }
+    /// The report is there.
+    void begin() { (void)write(begin_.number(), "\n", 1); }
+    StageDone drawn() { return done_.get(); }
+
+  private:
+    FileDescriptor input_;
+    std::future<StageDone> done_;
+    FileDescriptor begin_;  // closed first: a program that waits ends
+};
+
 /// report.pdf, which takes longest: drawn beside the first page, in a folder of its own, and put
 /// into the run when that is in its place.
 class WholeReport {
   public:
-    explicit WholeReport(const fs::path& staged) {
+    void begin(const fs::path& staged) {
         take_report(staged, folder_.path());
-        const fs::path attempt = folder_.path() / attempt_copy_name;
-        fs::copy_file(staged / attempt_copy_name, attempt);
-        drawn_ = std::async(std::launch::async, [this, attempt] {
-            run_step("render", {.attempt = attempt, .run_dir = folder_.path(), .pages = {name}});
-        });
+        fs::copy_file(staged / attempt_copy_name, folder_.path() / attempt_copy_name);
+        page_.begin();
     }
     void put_into(const fs::path& run_dir) {
-        drawn_.get();
+        page_.drawn();
         write_file_atomically(run_dir / name, read_file(folder_.path() / name));
     }
 
   private:
     static constexpr const char* name = "report.pdf";
     TemporaryFolder folder_;
-    std::future<void> drawn_;
+    PagesToCome page_{folder_.path(), {name}};
 };
 
 /// Whether a step is one that the user sees by itself: not what it takes no time to do.
@@ -201,7 +233,7 @@ int certify(const CertifyOptions& options) {
                           .source = {.file = options.attempt},
                           .folder = staging.path(),
                           .known_as = run_dir,
-                          .report = {.pages = first_pages(options), .signer = options.key},
+                          .report = {.pages = {}, .signer = options.key},
                           .latest = end_of_tomorrow(started),
                           .sign = [&] {
                               return sign_report(staging.path(), read_report_facts(staging.path()),
@@ -232,35 +264,47 @@ int certify(const CertifyOptions& options) {
         }
     };
     StageDone report;  // one to the user, with its pages
+    std::chrono::steady_clock::time_point report_began;
+    std::optional<PagesToCome> first;
     std::optional<WholeReport> whole;
+    if (!options.no_render) first.emplace(staging.path(), first_pages(options));
     const bool is_whole = !options.no_render && !options.no_pdf && !options.brief;
     try {
         make_run(
             run,
             [&](const Step& step) {
                 line.begins(step.name);
-                if (step.name == "render" && is_whole) whole.emplace(staging.path());
+                if (step.name == "report") {
+                    report_began = std::chrono::steady_clock::now();
+                    if (is_whole) whole.emplace();
+                }
                 return false;
             },
             [&](const StageDone& done) {
                 if (done.name == "report") {
                     report = done;
                     carry_over(staging.earlier(), staging.folder());
-                } else if (done.name == "render") {
-                    report.seconds += done.seconds;
-                    report.said = done.said;
                 } else if (is_shown(done)) {
                     show(done);
                 }
             });
+        if (first) {
+            line.begins("render");
+            first->begin();
+            if (whole) whole->begin(staging.path());
+            report.said = first->drawn().said;
+        }
+        report.seconds =
+            std::chrono::duration<double>(std::chrono::steady_clock::now() - report_began).count();
         show(report);
         // Where time may run out, all is there before anything takes the earlier run's place.
         if (whole && time_is_limited()) {
             whole->put_into(staging.path());
             whole.reset();
         }
-    } catch (const StageFailed& failed) {
+    } catch (StageFailed& failed) {
         line.clear();
+        replace_all(failed.result.errors, staging.path().string(), run_dir.string());
         fmt::print(stderr, "{}", message_of(failed));
         return 2;
     }

@@ -136,7 +136,8 @@ int reader_main(int argc, char** argv, const std::string& name, const std::strin
 
 int stage_main(int argc, char** argv, const std::string& stage, const std::string& summary,
                const std::function<void(StageRun&)>& body,
-               const std::function<void(CommandLine&)>& options) {
+               const std::function<void(CommandLine&)>& options,
+               const std::function<void()>& before) {
     return guarded_main([&]() -> int {
         CLI::App app(summary, "runcert-" + stage);
         std::string attempt;
@@ -146,6 +147,7 @@ int stage_main(int argc, char** argv, const std::string& stage, const std::strin
         CommandLine line(app);
         if (options) options(line);
         if (const auto status = parsed(app, argc, argv)) return *status;
+        if (before) before();
         StageRun run(stage, attempt, run_dir);
         const RunLock lock(run_dir);
         body(run);

@@ -44,10 +44,12 @@ class CommandLine {
 int guarded_main(const std::function<int()>& body);
 
 /// Main of a stage program: reads `--attempt ATTEMPT.yaml --run-dir DIR` (and what `options` adds),
-/// runs the stage, prints what it says. `summary` is the first line of --help.
+/// runs the stage, prints what it says. `summary` is the first line of --help. `before` is called
+/// before anything is read.
 int stage_main(int argc, char** argv, const std::string& stage, const std::string& summary,
                const std::function<void(StageRun&)>& body,
-               const std::function<void(CommandLine&)>& options = {});
+               const std::function<void(CommandLine&)>& options = {},
+               const std::function<void()>& before = {});
 
 /// Main of a program that looks at what the stages wrote: `options` adds to its command line, `run`
 /// gives its exit status.

@@ -247,6 +247,7 @@ Names command_of(const Step& step, const StepCall& call, const std::filesystem::
     if (step.name == "render")
         for (const std::string& page : call.pages)
             command.insert(command.end(), {"--page", page});
+    if (step.name == "render" && call.waits) command.emplace_back("--wait");
     if (step.name == "render" && !call.roster.empty())
         command.insert(command.end(), {"--roster", call.roster.string()});
     return command;

@@ -85,6 +85,7 @@ struct StepCall {
     /// For import: where what the attempt names is to be found ("--earlier-run", "--folder").
     std::vector<std::string> import_options = {};
     std::vector<std::string> pages = {};  ///< for render: which of `page_names`
+    bool waits = false;                   ///< for render: begins by a byte on standard input
     std::filesystem::path roster = {};    ///< for render: whose keys count; may be empty
 };
 

@@ -162,6 +162,7 @@ ProcessResult run_in(const ExternalCall& call, const fs::path& program, const fs
                            .folder = folder,
                            .standard_input = call.standard_input,
                            .time_limit = call.limits.time,
+                           .stop = call.stop,
                            .most_output = call.limits.output_bytes,
                            .guarded = true,
                            .most_memory = call.limits.memory_bytes,
@@ -188,13 +189,12 @@ std::string_view words_of(Isolation isolation) {
 
 const std::vector<ExternalProgram>& external_programs() {
     static const std::vector<ExternalProgram> all{
-        {"gpsbabel", "gpsbabel"},          {"rnx2rtkp", "rtklib"},
-        {"weasyprint", "weasyprint"},
-        {"pdfdetach", "poppler-utils"},    {"pdfsig", "poppler-utils"},
-        {"pdfinfo", "poppler-utils"},      {"pdffonts", "poppler-utils"},
-        {"pdftotext", "poppler-utils"},    {"pdftoppm", "poppler-utils"},
-        {"podofosign", "libpodofo-utils"}, {"openssl", "openssl"},
-        {"ssh-keygen", "openssh-client"}};
+        {"gpsbabel", "gpsbabel"},      {"rnx2rtkp", "rtklib"},
+        {"weasyprint", "weasyprint"},  {"pdfdetach", "poppler-utils"},
+        {"pdfsig", "poppler-utils"},   {"pdfinfo", "poppler-utils"},
+        {"pdffonts", "poppler-utils"}, {"pdftotext", "poppler-utils"},
+        {"pdftoppm", "poppler-utils"}, {"podofosign", "libpodofo-utils"},
+        {"openssl", "openssl"},        {"ssh-keygen", "openssh-client"}};
     return all;
 }
 

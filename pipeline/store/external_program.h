@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -60,6 +61,7 @@ struct ExternalCall {
     std::vector<std::pair<std::string, std::string>> environment = {};
     std::filesystem::path standard_input = {};
     ExternalLimits limits = {};
+    std::stop_token stop = {};  ///< where a stop is requested, the program is ended
 };
 
 /// The name of a file to be given to a program as argument and input: absolute, without links, and

@@ -2,8 +2,10 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "core/failure.h"
 #include "core/text.h"
@@ -88,6 +90,8 @@ int main(int argc, char** argv) {
     bool no_render = false;
     std::vector<std::string> pages;
     bool render_only = false;
+    bool wait = false;
+    std::optional<Rendering> rendering;
     return stage_main(
         argc, argv, "report", "The measurement report: report.json, and from it HTML and PDF",
         [&](StageRun& run) {
@@ -99,12 +103,10 @@ int main(int argc, char** argv) {
                 run.say("report.json");
                 return;
             }
-            if (pages.empty()) pages.assign(page_names.begin(), page_names.end());
             // Whether the signatures hold is for `runcert verify` to say.
-            render_report(run.run_dir(), read_file(report_of(run)),
-                          {.signatures = signature_files(run.run_dir()),
-                           .standing = standing_of(run.run_dir(), roster),
-                           .pages = pages});
+            rendering->write(run.run_dir(), read_file(report_of(run)),
+                             {.signatures = signature_files(run.run_dir()),
+                              .standing = standing_of(run.run_dir(), roster)});
             run.say(fmt::format("report.json, {}", fmt::join(pages, ", ")));
         },
         [&](CommandLine& line) {
@@ -113,5 +115,12 @@ int main(int argc, char** argv) {
             line.flag("--no-render", no_render, "stop after report.json");
             line.texts("--page", pages, "a page to write, such as report.html (default: all)");
             line.flag("--render-only", render_only, "pages of the report.json there is");
+            line.flag("--wait", wait, "begin when a byte comes on standard input");
+        },
+        [&] {
+            if (pages.empty()) pages.assign(page_names.begin(), page_names.end());
+            if (!no_render) rendering.emplace(pages);
+            if (wait && std::getchar() == EOF)
+                throw Failure("standard input", "it ended before a byte came", "Leave --wait out");
         });
 }

@@ -1,16 +1,25 @@
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/ioctl.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
 
 #include "core/failure.h"
 #include "core/text.h"
-#include "reports/certificate/report_run.h"
+#include "reports/certificate/pdf_making.h"
 #include "store/atomic_file.h"
 #include "store/base64.h"
-#include "store/external_program.h"
 
 namespace runcert {
 namespace {
+
+constexpr const char* page_name = "report.html";
+constexpr const char* pdf_name = "report.pdf";
 
 /// The PDF with the dates of what is attached to it set to 1970. WeasyPrint 62 takes them from the
 /// clock whatever SOURCE_DATE_EPOCH says, and the same report must give the same bytes.
@@ -65,27 +74,60 @@ std::string lightened(std::string_view html) {
 
 }  // namespace
 
-std::string report_pdf(const std::string& html, const std::string& report_text) {
-    const TemporaryFolder folder;
-    const std::filesystem::path pdf = folder.path() / "report.pdf";
-    write_file_atomically(folder.path() / "report.html", lightened(html));
-    write_file_atomically(folder.path() / "report.json", report_text);
+PdfMaking::PdfMaking() {
+    begin();
+}
+
+PdfMaking::~PdfMaking() {
+    stop_.request_stop();
+}
+
+/// It reads the page from a FIFO, once there is one.
+void PdfMaking::begin() {
+    const std::filesystem::path page = folder_.path() / page_name;
+    std::filesystem::remove(page);
+    if (mkfifo(page.c_str(), S_IRUSR | S_IWUSR) != 0)
+        throw Failure(page.string(), std::strerror(errno), "Leave the PDF out with --no-pdf");
+    // Open for reading, too, so that writing to a program that has ended is no signal.
+    page_ = FileDescriptor(open(page.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC));
     // Tagged, for those who have it read to them: WeasyPrint 57 takes one variant of PDF, so that
     // PDF/A, for archives, is not to be had beside it. It writes the time of making into the file
     // unless it is told another.
-    const ExternalCall call{
-        .command = {"weasyprint", "--quiet", "--encoding", "utf-8", "--pdf-variant", "pdf/ua-1",
-                    "--attachment", "report.json", "report.html", "report.pdf"},
-        .folder = folder.path(),
-        .environment = {{"SOURCE_DATE_EPOCH", "0"}}};
-    ProcessResult result = run_external(call);
+    call_ = {.command = {"weasyprint", "--quiet", "--encoding", "utf-8", "--pdf-variant",
+                         "pdf/ua-1", "--attachment", "report.json", page_name, pdf_name},
+             .folder = folder_.path(),
+             .environment = {{"SOURCE_DATE_EPOCH", "0"}},
+             .stop = stop_.get_token()};
+    result_ = std::async(std::launch::async, [this] { return run_external(call_); });
+}
+
+bool PdfMaking::has_ended() const {
+    return result_.wait_for(std::chrono::milliseconds(1)) == std::future_status::ready;
+}
+
+/// Until all was taken out again, or nobody is left who would.
+void PdfMaking::give(std::string_view page) {
+    for (int unread = 0; (!page.empty() || unread > 0) && !has_ended();) {
+        const ssize_t taken = write(page_.number(), page.data(), page.size());
+        if (taken > 0) page.remove_prefix(static_cast<std::size_t>(taken));
+        ioctl(page_.number(), FIONREAD, &unread);
+    }
+    page_ = {};
+}
+
+std::string PdfMaking::pdf(const std::string& html, const std::string& report_text) {
+    write_file_atomically(folder_.path() / "report.json", report_text);
+    if (has_ended()) begin();  // it may have waited for too long
+    give(lightened(html));
+    ProcessResult result = result_.get();
+    const std::filesystem::path pdf = folder_.path() / pdf_name;
     if (result.exit_status != 0 || !std::filesystem::exists(pdf)) {
         // Of a traceback, the last line says what was wrong.
         const std::string_view said = trim(result.errors);
         result.errors = said.substr(said.find_last_of('\n') + 1);
         throw Failure(
             "weasyprint",
-            fmt::format("the PDF could not be made: {}", external_problem(call, result)),
+            fmt::format("the PDF could not be made: {}", external_problem(call_, result)),
             "Install the package weasyprint again, or leave the PDF out with --no-render");
     }
     return without_dates(read_file(pdf));

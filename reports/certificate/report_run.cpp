@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 #include <future>
 #include <nlohmann/json.hpp>
 
@@ -35,26 +36,34 @@ std::string write_report_json(ReportInputs inputs) {
     return report_text_of(report_json(std::move(inputs)));
 }
 
-void render_report(const std::filesystem::path& run_folder, const std::string& report_text,
-                   const RenderOptions& options) {
+Rendering::Rendering(const std::vector<std::string>& pages) {
+    const auto is_wanted = [&pages](const char* page) {
+        return std::ranges::find(pages, page) != pages.end();
+    };
+    html_ = is_wanted("report.html");
+    if (is_wanted("certificate.pdf")) certificate_.emplace();
+    if (is_wanted("report.pdf")) whole_.emplace();
+}
+
+void Rendering::write(const std::filesystem::path& run_folder, const std::string& report_text,
+                      const RenderOptions& options) {
     const std::string where = (run_folder / "report.json").string();
     const Json report = parse_report(report_text, where);
     require_own_page(report["predicate"], where);
-    const auto is_wanted = [&](const char* page) {
-        return std::ranges::find(options.pages, page) != options.pages.end();
-    };
-    const auto write_pdf = [&](const char* name, bool first_page_alone) {
-        if (!is_wanted(name)) return;
+    const auto write_pdf = [&](std::optional<PdfMaking>& making, const char* name,
+                               bool first_page_alone) {
+        if (!making) return;
         const std::string page = report_print_page(report_text, report, options.signatures,
                                                    options.standing, first_page_alone);
-        write_file_atomically(run_folder / name, report_pdf(page, report_text));
+        write_file_atomically(run_folder / name, making->pdf(page, report_text));
     };
-    std::future<void> whole = std::async(std::launch::async, write_pdf, "report.pdf", false);
-    if (is_wanted("report.html"))
+    std::future<void> whole =
+        std::async(std::launch::async, write_pdf, std::ref(whole_), "report.pdf", false);
+    if (html_)
         write_file_atomically(
             run_folder / "report.html",
             report_page(report_text, report, options.signatures, options.standing));
-    write_pdf("certificate.pdf", true);
+    write_pdf(certificate_, "certificate.pdf", true);
     whole.get();
 }
 

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "reports/certificate/pdf_making.h"
 #include "reports/certificate/report_data.h"
 #include "reports/certificate/report_html.h"
 #include "schemas/common/product_files.h"
@@ -16,18 +18,24 @@ std::string write_report_json(ReportInputs inputs);
 struct RenderOptions {
     std::vector<SignatureFile> signatures;  ///< none: every page says UNSIGNED
     std::string standing = "{}\n";          ///< the text of a standing_json
-    /// Which of `page_names` are written; certificate.pdf is the first page of report.pdf.
-    std::vector<std::string> pages = {page_names.begin(), page_names.end()};
 };
 
-/// Writes report.html, certificate.pdf and report.pdf into the run folder, from the bytes of
-/// report.json, its signatures and its standing alone, so that anyone can make them again from what
-/// was signed. Failure where the report was made by a program whose pages have other parts.
-void render_report(const std::filesystem::path& run_folder, const std::string& report_text,
-                   const RenderOptions& options = {});
+/// Pages of a report that are yet to be drawn: what draws them on paper is started at once.
+class Rendering {
+  public:
+    /// `pages`: which of `page_names`; certificate.pdf is the first page of report.pdf.
+    explicit Rendering(const std::vector<std::string>& pages = {page_names.begin(),
+                                                                page_names.end()});
 
-/// The page on A4 paper, as the bytes of a PDF file, by WeasyPrint, with `report_text` attached as
-/// report.json; the same page gives the same bytes. Failure where WeasyPrint is missing or fails.
-std::string report_pdf(const std::string& html, const std::string& report_text);
+    /// Writes the pages into the run folder, from the bytes of report.json, its signatures and its
+    /// standing alone, so that anyone can make them again from what was signed. To be called once.
+    /// Failure where the report was made by a program whose pages have other parts.
+    void write(const std::filesystem::path& run_folder, const std::string& report_text,
+               const RenderOptions& options = {});
+
+  private:
+    bool html_ = false;
+    std::optional<PdfMaking> certificate_, whole_;
+};
 
 }  // namespace runcert

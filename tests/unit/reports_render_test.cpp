@@ -149,7 +149,7 @@ class Pdf : public testing::Test {
 
     std::string text_of_pdf(const sample::Options& options, const RenderOptions& render) {
         const sample::Run run = sample::make_run(options);
-        render_report(folder_.path(), write_report_json(run.inputs), render);
+        Rendering().write(folder_.path(), write_report_json(run.inputs), render);
         return run_process({"pdftotext", (folder_.path() / "report.pdf").string(), "-"}).output;
     }
 

@@ -11,10 +11,12 @@
 #include "commands.h"
 #include "core/failure.h"
 #include "core/text.h"
+#include "make/maker.h"
 #include "make/slurm.h"
 #include "reports/diff/day_difference.h"
 #include "reports/document/document_text.h"
 #include "run/chain.h"
+#include "schemas/common/product_files.h"
 #include "schemas/day/day.h"
 #include "store/process.h"
 #include "trust/signing.h"
@@ -44,8 +46,6 @@ struct BatchOptions {
     bool status = false;
     std::string compare;
     std::optional<std::string> share;  ///< an empty one is none, and not the whole day
-    std::string pending;
-    bool gather = false;
 };
 
 /// Steps that a user may name: the stages, report and render.
@@ -72,23 +72,18 @@ ProgressStyle style_of(const BatchOptions& options) {
 BatchOrder order_of(const BatchOptions& options) {
     BatchOrder order;
     order.day.assign(options.day.begin(), options.day.end());
-    BatchContext& context = order.context;
-    context.out = options.out.empty() ? default_out(options.day.front()) : fs::path(options.out);
-    context.program_folder = program_folder();
-    context.programs = programs_of_steps(context.program_folder);
-    if (options.no_pdf) context.report.pages = {"report.html"};
-    if (options.no_render) context.report.pages.clear();
-    if (!options.key.empty()) {
-        context.key = load_secret_key(options.key);
-        context.report.signer = key_id_text({.key_id = context.key->key_id()});
-    }
-    KeptRecordKey kept = record_key_in(state_folder());
-    context.record_key = kept.key;
-    order.passing_key = std::move(kept.passing);
-    context.latest = end_of_tomorrow(std::time(nullptr));
-    context.force = options.force;
-    context.from = options.from;
-    context.time_limit = std::chrono::milliseconds(std::llround(options.time_limit_s * 1e3));
+    order.out = options.out.empty() ? default_out(options.day.front()) : fs::path(options.out);
+    std::vector<std::string> pages;
+    if (options.no_pdf)
+        pages = {"report.html"};
+    else
+        pages.assign(page_names.begin(), page_names.end());
+    if (options.no_render) pages.clear();
+    order.making = maker_options(pages, options.key);
+    order.making.force = options.force;
+    order.making.from = options.from;
+    order.making.own_group = true;
+    order.making.time_limit = std::chrono::milliseconds(std::llround(options.time_limit_s * 1e3));
     constexpr int columns_of_a_log = 160;  // a terminal says its own
     order.progress = {
         .style = style_of(options), .explain = options.explain, .columns = columns_of_a_log};
@@ -123,9 +118,6 @@ void check(const BatchOptions& options) {
     if (!options.compare.empty() && !fs::exists(fs::path(options.compare) / "day.yaml"))
         throw Failure(options.compare, "the folder holds no day.yaml to compare with",
                       "Name the --out of an earlier batch");
-    if (!options.pending.empty() && !options.share && !options.gather)
-        throw Failure("--pending", "it is given without --share and without --gather",
-                      "Leave it out: a cluster's tasks are called with it");
     if (options.engine != "slurm") return;
     if (!options.key.empty())
         throw Failure("--key",
@@ -158,11 +150,12 @@ int batch(const BatchOptions& options) {
     check(options);
     const BatchOrder order = order_of(options);
     if (options.status) return say_status(order);
-    if (options.share) return run_share(order, share_of(*options.share), options.pending);
-    if (options.engine == "slurm")
-        return submit_day(order, task_options(options), split_slurm_args(options.slurm_args));
-    const int status = options.gather ? gather_day(order, options.pending) : run_batch(order);
-    if (!options.compare.empty()) say_difference(options, order.context.out);
+    if (options.share) return run_share(order, share_of(*options.share));
+    const int status =
+        options.engine == "slurm"
+            ? run_on_cluster(order, task_options(options), split_slurm_args(options.slurm_args))
+            : run_batch(order);
+    if (!options.compare.empty()) say_difference(options, order.out);
     return status;
 }
 
@@ -204,15 +197,9 @@ void add_cluster(CLI::App* command, BatchOptions& options) {
         ->check(CLI::IsMember({"local", "slurm"}));
     command->add_option("--slurm-args", options.slurm_args,
                         "more arguments for sbatch, as in a shell: \"--partition=lake --mem=2G\"");
-    auto* pending = command->add_option("--pending", options.pending,
-                                        "with --share or --gather: a file of ids, one a line");
-    auto* share = command->add_option("--share", options.share,
-                                      "I/N: of these ids every N-th from the I-th, counted from 0, "
-                                      "and no results; a task of a cluster's array");
-    share->needs(pending);
-    command->add_flag("--gather", options.gather,
-                      "only the day's results of the runs that are there; of these ids a few that "
-                      "are left unfinished are made first");
+    command->add_option("--share", options.share,
+                        "I/N: every N-th attempt from the I-th, counted from 0, and no results; a "
+                        "task of a cluster's array");
 }
 
 std::string footer() {
@@ -223,12 +210,11 @@ std::string footer() {
         "inputs\n"
         "changed, by SHA-256, or if what it wrote is not there as it was written. What each run "
         "was\n"
-        "made from is recorded in OUT/.runcert, and sealed with a secret of yours, which\n"
-        "$XDG_STATE_HOME/runcert/records.key keeps (else ~/.local/state/runcert/records.key). A "
-        "run\n"
-        "without a record that you sealed is recomputed. So --key signs only what this call or an\n"
-        "earlier one of yours computed. Ctrl-C once finishes what is running, twice stops it; the\n"
-        "same command again goes on.\n"
+        "made from is remembered in $XDG_STATE_HOME/runcert (else ~/.local/state/runcert), where\n"
+        "only you can write: a run that is not known there is made again. So --key signs only\n"
+        "what this call or an earlier one of yours computed. Ctrl-C once finishes what is "
+        "running,\n"
+        "twice stops it; the same command again goes on.\n"
         "Exit status: 0 all were processed, whatever their outcomes; 2 one could not be.\n\n"
         "A day file (examples/day has one that runs as it is):\n\n"
         "  schema: day/1.0\n"

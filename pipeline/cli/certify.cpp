@@ -1,29 +1,23 @@
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <array>
-#include <cerrno>
 #include <chrono>
-#include <cstring>
-#include <ctime>
 #include <filesystem>
-#include <future>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "commands.h"
 #include "core/failure.h"
 #include "core/prose.h"
 #include "core/text.h"
+#include "make/maker.h"
 #include "moving_line.h"
 #include "recognised.h"
 #include "reports/document/document_text.h"
 #include "reports/words/answer.h"
-#include "run/attempt_files.h"
 #include "run/chain.h"
-#include "run/staging_folder.h"
 #include "run/steps.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/common/product_files.h"
@@ -32,7 +26,6 @@
 #include "schemas/verdict/outcome.h"
 #include "store/atomic_file.h"
 #include "store/external_program.h"
-#include "store/folder.h"
 #include "store/process.h"
 #include "store/program.h"
 #include "trust/signature_files.h"
@@ -45,6 +38,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* run_times_name = "run.yaml";
 constexpr std::size_t stage_columns = 62;  ///< of what a stage says on its line
+constexpr double kept = -1.0;              ///< the seconds of a stage that was not run
 
 struct CertifyOptions {
     std::string attempt;
@@ -126,71 +120,15 @@ void print_json(const Verdict& verdict, const fs::path& run_dir, bool is_signed,
 void print_stage(const StageDone& stage) {
     const std::string said =
         stage.said.empty() ? "" : wrapped(stage.said.front(), 0, 0, stage_columns);
-    fmt::print("{:<8}{:<{}} {:>6.2f} s\n", stage.name, said.substr(0, said.find('\n')),
-               stage_columns, stage.seconds);
+    fmt::print("{:<8}{:<{}} {}\n", stage.name, said.substr(0, said.find('\n')), stage_columns,
+               stage.seconds == kept ? "    kept" : fmt::format("{:>6.2f} s", stage.seconds));
     std::fflush(stdout);
 }
 
-/// Pages of a run in making. What draws them is started while the run is measured, and waits for
-/// the report on its standard input: starting takes it longer than drawing the first page.
-class PagesToCome {
-  public:
-    PagesToCome(const fs::path& run_dir, const std::vector<std::string>& pages) {
-        std::array<int, 2> ends{};
-        if (pipe2(ends.data(), O_CLOEXEC) != 0)
-            throw Failure("starting a program", std::strerror(errno), "Close other programs");
-        input_ = FileDescriptor(ends[0]);
-        begin_ = FileDescriptor(ends[1]);
-        const StepCall call{.attempt = run_dir / attempt_copy_name,
-                            .run_dir = run_dir,
-                            .pages = pages,
-                            .waits = true};
-        ProcessOptions options{.environment = {synced_by_caller()}};
-        options.standard_input = fmt::format("/proc/self/fd/{}", input_.number());
-        done_ = std::async(std::launch::async,
-                           [call, options] { return run_step("render", call, options); });
-    }
-    /// The report is there.
-    void begin() { (void)write(begin_.number(), "\n", 1); }
-    StageDone drawn() { return done_.get(); }
-
-  private:
-    FileDescriptor input_;
-    std::future<StageDone> done_;
-    FileDescriptor begin_;  // closed first: a program that waits ends
-};
-
-/// report.pdf, which takes longest: drawn beside the first page, in a folder of its own, and put
-/// into the run when that is in its place.
-class WholeReport {
-  public:
-    void begin(const fs::path& staged) {
-        take_report(staged, folder_.path());
-        fs::copy_file(staged / attempt_copy_name, folder_.path() / attempt_copy_name);
-        page_.begin();
-    }
-    void put_into(const fs::path& run_dir) {
-        page_.drawn();
-        write_file_atomically(run_dir / name, read_file(folder_.path() / name));
-    }
-
-  private:
-    static constexpr const char* name = "report.pdf";
-    TemporaryFolder folder_;
-    PagesToCome page_{folder_.path(), {name}};
-};
-
-/// Whether a step is one that the user sees by itself: not what it takes no time to do.
-bool is_shown(const StageDone& step) {
-    return !step_named(step.name).program.empty();
-}
-
-/// The attempt and its text. What is no attempt may be a recording: the likeliest first try.
-std::pair<Attempt, std::string> attempt_in(const std::string& file) {
+/// What is no attempt may be a recording: the likeliest first try.
+Attempt attempt_in(const std::string& file) {
     try {
-        std::string text = read_handwritten(file);
-        Attempt attempt = read_attempt(text, file);
-        return {std::move(attempt), std::move(text)};
+        return read_attempt(read_handwritten(file), file);
     } catch (const Failure&) {
         const std::string suffix = lower_case(fs::path(file).extension().string());
         if (suffix == ".yaml" || suffix == ".yml" || !fs::is_regular_file(file)) throw;
@@ -206,130 +144,119 @@ std::pair<Attempt, std::string> attempt_in(const std::string& file) {
     }
 }
 
-/// Those that are drawn before the run takes its place.
-std::vector<std::string> first_pages(const CertifyOptions& options) {
+std::vector<std::string> pages_of(const CertifyOptions& options) {
     if (options.no_render) return {};
     if (options.no_pdf) return {"report.html"};
-    return {"report.html", "certificate.pdf"};
+    if (options.brief) return {"report.html", "certificate.pdf"};
+    return {page_names.begin(), page_names.end()};
 }
 
-int certify(const CertifyOptions& options) {
-    const std::time_t started = std::time(nullptr);
-    const auto read = attempt_in(options.attempt);
-    const Attempt& attempt = read.first;
-    const std::string& text = read.second;
-    std::optional<SecretKey> key;
-    std::string role;
-    if (!options.key.empty()) {
-        role = signing_role(attempt);
-        key = load_secret_key(options.key);
+/// What the user sees of a run while it is made.
+class Shown {
+  public:
+    Shown(const CertifyOptions& options, fs::path run_dir)
+        : options_(options),
+          run_dir_(std::move(run_dir)),
+          line_(options.json || options.quiet ? nullptr : stdout,
+                seconds_of_steps(run_dir_ / run_times_name)) {}
+
+    MakerWatch watch() {
+        return {.begins =
+                    [this](const std::string& step) {
+                        line_.begins(step);
+                        if (step == "report") report_began_ = Clock::now();
+                    },
+                .ends = [this](const StepReport& step, const StepRecord& record,
+                               const fs::path& folder) { ends(step, record, folder); },
+                .published = [this] { published(); }};
     }
+
+    /// The run has its place. Its pages are named where they can be opened.
+    void published() {
+        if (std::exchange(is_published_, true)) return;
+        if (report_began_ != Clock::time_point())
+            report_.seconds = std::chrono::duration<double>(Clock::now() - report_began_).count();
+        show(report_);
+        if (!options_.json)
+            fmt::print("        {}{}\n", (run_dir_ / page_to_read(options_)).string(),
+                       is_signed() ? " (signed)" : " (UNSIGNED: give --key to sign it)");
+        std::fflush(stdout);
+    }
+
+    void clear() { line_.clear(); }
+    bool is_signed() const { return !signature_files(run_dir_).empty(); }
+    const Verdict& verdict() const { return verdict_; }
+    const Answer& answer() const { return answer_; }
+
+  private:
+    using Clock = std::chrono::steady_clock;
+
+    void ends(const StepReport& step, const StepRecord& record, const fs::path& folder) {
+        StageDone done{.name = step.step, .said = record.said, .seconds = record.seconds};
+        if (!step.ran) done.seconds = kept;
+        if (step.step == "check") verdict_ = verdict_in(folder);
+        // One line to the user, with its pages.
+        if (step.step == "report")
+            report_ = done;
+        else if (step.step == "render")
+            report_.said = done.said;
+        else if (!step_named(step.step).program.empty())
+            show(done);
+    }
+
+    void show(StageDone stage) {
+        stages_.push_back(stage);
+        line_.clear();
+        if (stage.name == "check") stage.said = {"answer below"};
+        if (!options_.json && !options_.quiet) print_stage(stage);
+        // The answer is there before anything is drawn; where time may run out, at the end.
+        if (stage.name != (time_is_limited() ? "report" : "check") || options_.json) return;
+        answer_ = answer_of(verdict_, stages_, run_dir_, options_);
+        fmt::print("\n{}", answer_.details);
+        if (!options_.no_render && !time_is_limited()) fmt::print("{}", answer_.result);
+        fmt::print("\n");
+        std::fflush(stdout);
+    }
+
+    const CertifyOptions& options_;
+    fs::path run_dir_;
+    MovingLine line_;
+    std::vector<StageDone> stages_;
+    StageDone report_;
+    Clock::time_point report_began_;
+    Verdict verdict_;
+    Answer answer_;
+    bool is_published_ = false;
+};
+
+int certify(const CertifyOptions& options) {
+    const Attempt attempt = attempt_in(options.attempt);
+    if (!options.key.empty()) (void)signing_role(attempt);
+    MakerOptions making = maker_options(pages_of(options), options.key);
+    making.pages_ahead = true;
     const fs::path run_dir =
         options.out.empty() ? fs::path("out") / attempt.id : fs::path(options.out);
-    StagingFolder staging(run_dir);
-    require_a_run(staging.earlier(), inventory_of(attempt).files);
-    const RunInMaking run{.attempt = attempt,
-                          .text = text,
-                          .source = {.file = options.attempt},
-                          .folder = staging.path(),
-                          .known_as = run_dir,
-                          .report = {.pages = {}, .signer = options.key},
-                          .latest = end_of_tomorrow(started),
-                          .sign = [&] {
-                              return sign_report(staging.path(), read_report_facts(staging.path()),
-                                                 *key, role);
-                          }};
-    std::vector<StageDone> stages;
-    Verdict verdict;
-    Answer answer;
-    MovingLine line(options.json || options.quiet ? nullptr : stdout,
-                    seconds_of_steps(run_dir / run_times_name));
-    const bool says_stages = !options.json && !options.quiet;
-    const auto show = [&](const StageDone& stage) {
-        StageDone shown = stage;
-        stages.push_back(stage);
-        if (stage.name == "check") {
-            verdict = verdict_in(staging.path());
-            shown.said = {"answer below"};
-        }
-        line.clear();
-        if (says_stages) print_stage(shown);
-        // The answer is there before anything is drawn; where time may run out, at the end.
-        if (stage.name == (time_is_limited() ? "report" : "check") && !options.json) {
-            answer = answer_of(verdict, stages, run_dir, options);
-            fmt::print("\n{}", answer.details);
-            if (!options.no_render && !time_is_limited()) fmt::print("{}", answer.result);
-            fmt::print("\n");
-            std::fflush(stdout);
-        }
-    };
-    StageDone report;  // one to the user, with its pages
-    std::chrono::steady_clock::time_point report_began;
-    std::optional<PagesToCome> first;
-    std::optional<WholeReport> whole;
-    if (!options.no_render) first.emplace(staging.path(), first_pages(options));
-    const bool is_whole = !options.no_render && !options.no_pdf && !options.brief;
-    try {
-        make_run(
-            run,
-            [&](const Step& step) {
-                line.begins(step.name);
-                if (step.name == "report") {
-                    report_began = std::chrono::steady_clock::now();
-                    if (is_whole) whole.emplace();
-                }
-                return false;
-            },
-            [&](const StageDone& done) {
-                if (done.name == "report") {
-                    report = done;
-                    carry_over(staging.earlier(), staging.folder());
-                } else if (is_shown(done)) {
-                    show(done);
-                }
-            });
-        if (first) {
-            line.begins("render");
-            first->begin();
-            if (whole) whole->begin(staging.path());
-            report.said = first->drawn().said;
-        }
-        report.seconds =
-            std::chrono::duration<double>(std::chrono::steady_clock::now() - report_began).count();
-        show(report);
-        // Where time may run out, all is there before anything takes the earlier run's place.
-        if (whole && time_is_limited()) {
-            whole->put_into(staging.path());
-            whole.reset();
-        }
-    } catch (StageFailed& failed) {
-        line.clear();
-        replace_all(failed.result.errors, staging.path().string(), run_dir.string());
-        fmt::print(stderr, "{}", message_of(failed));
-        return 2;
-    }
-    require_time();
-    write_file_unsynced(staging.path() / run_times_name, run_times_text(started, stages));
-    const bool is_signed = !signature_files(staging.path()).empty();
-    staging.publish();
-    if (!options.json)
-        fmt::print("        {}{}\n", (run_dir / page_to_read(options)).string(),
-                   is_signed ? " (signed)" : " (UNSIGNED: give --key to sign it)");
-    std::fflush(stdout);
-    try {
-        if (whole) whole->put_into(run_dir);
-    } catch (const StageFailed& failed) {
-        fmt::print(stderr, "{}", message_of(failed));
-        return 2;
-    }
+    const fs::path file = options.attempt;
+    const DayAttempt given{
+        .id = attempt.id, .source = options.attempt, .file = file, .folder = file.parent_path()};
+    Shown shown(options, run_dir);
+    const RunState state = update_run({.attempt = given, .run_dir = run_dir, .is_named = true},
+                                      making, shown.watch(), {});
+    shown.clear();
+    if (state.failure)
+        throw Failure(state.failure->where, state.failure->problem, state.failure->remedy);
+    shown.published();
+    const Verdict& verdict = shown.verdict();
     const bool all_beaten = std::ranges::all_of(
         verdict.profiles, [](const auto& one) { return one.outcome == Outcome::beaten; });
     const int status = all_beaten ? 0 : 1;
     if (options.json) {
-        print_json(verdict, run_dir, is_signed, status);
+        print_json(verdict, run_dir, shown.is_signed(), status);
         return status;
     }
-    fmt::print("{}{}", answer.result, answer.next);
+    if (!state.superseded.empty())
+        fmt::print("        the earlier run is in {}\n", (run_dir / state.superseded).string());
+    fmt::print("{}{}", shown.answer().result, shown.answer().next);
     return status;
 }
 

@@ -4,26 +4,25 @@
 
 #include <algorithm>
 #include <chrono>
-#include <set>
+#include <optional>
 
 #include "core/failure.h"
 #include "core/parallel.h"
+#include "core/prose.h"
 #include "core/text.h"
 #include "make/day_run.h"
 #include "make/interrupts.h"
-#include "make/run_files.h"
+#include "make/slurm.h"
+#include "run/staging_folder.h"
 #include "store/atomic_file.h"
 #include "store/external_program.h"
+#include "store/sha256.h"
+#include "store/user_state.h"
 
 namespace runcert {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::set<std::string> lines_in(const fs::path& file) {
-    const std::vector<std::string> lines = lines_of(read_file(file));
-    return {lines.begin(), lines.end()};
-}
 
 std::string interruption_words(Interruption wanted) {
     return wanted == Interruption::finish
@@ -47,17 +46,9 @@ DaySummary summary_of(const std::vector<AttemptOutcome>& outcomes,
     return summary;
 }
 
-/// Says how many runs were made again because their record was not this user's; empty for none.
-std::string foreign_records_words(const std::vector<AttemptOutcome>& outcomes) {
-    const auto count = std::ranges::count_if(outcomes, &AttemptOutcome::foreign_record);
-    if (count == 0) return {};
-    return fmt::format("{} recomputed: {} not written by this user's batches, or not as written.",
-                       count == 1 ? "1 run was" : fmt::format("{} runs were", count),
-                       count == 1 ? "its record was" : "their records were");
-}
-
-/// Whether the results are to be written.
-enum class Results { written, left };
+/// What is done with the runs: made here, with or without the day's results, or only looked at,
+/// since a cluster made them.
+enum class Work { whole, share, looked_at };
 
 /// The day's page, or why there is none, to be thrown when the outcomes of the runs have been said.
 struct ResultsWritten {
@@ -68,22 +59,24 @@ struct ResultsWritten {
 ResultsWritten results_written(const BatchOrder& order, const Day& day,
                                const std::vector<AttemptOutcome>& outcomes) {
     try {
-        make_day_results(day, outcomes, order.context);
-        return {.page = (order.context.out / "day.html").string()};
+        make_day_results(day, outcomes, order.out);
+        return {.page = (order.out / "day.html").string()};
     } catch (const Failure& failure) {
         return {.trouble = failure};
     }
 }
 
 int run_selected(const BatchOrder& order, const Day& day, const std::vector<bool>& selected,
-                 LockKind lock_kind, Results results) {
+                 Work work) {
     const auto begin = std::chrono::steady_clock::now();
     ProgressOptions options = order.progress;
     options.total = day.attempts.size();
     const auto progress = make_progress(options);
     const Interrupts interrupts(
         [&](Interruption wanted, int) { progress->note(interruption_words(wanted)); });
-    const auto lock = lock_day(order.context.out, lock_kind, order.wait, interrupts.finish());
+    const auto lock =
+        lock_day(order.out, work == Work::share ? LockKind::shared : LockKind::exclusive,
+                 order.wait, interrupts.finish());
     if (!lock) {
         progress->ends({.closing = {"Interrupted while waiting for another batch."}});
         return 2;
@@ -91,29 +84,30 @@ int run_selected(const BatchOrder& order, const Day& day, const std::vector<bool
     if (!lock->left_by().empty())
         progress->note("the batch before this one was ended in its midst (" + lock->left_by() +
                        "): going on from there");
-    if (lock_kind == LockKind::exclusive) remove_half_written(BatchFolders(order.context.out));
+    if (work == Work::whole) clear_abandoned(Folder(order.out));
     for (const std::string& note : day.notes)
         progress->note(note);
-    if (!order.passing_key.empty()) progress->note(order.passing_key);
+    if (std::string missing = missing_state(); !missing.empty()) progress->note(missing);
     if (std::string missing = missing_sandbox(); !missing.empty()) progress->note(missing);
-    BatchContext context = order.context;
+    MakerOptions making = order.making;
     // Runs side by side use the processors already; their steps need not share one out again.
-    context.threads = std::max(1U, threads_allowed() / static_cast<unsigned>(order.jobs));
-    const std::vector<AttemptOutcome> outcomes = run_day(
-        day, selected, context,
-        {.jobs = order.jobs, .finish = interrupts.finish(), .stop = interrupts.stop()}, *progress);
+    making.threads = std::max(1U, threads_allowed() / static_cast<unsigned>(order.jobs));
+    const std::vector<AttemptOutcome> outcomes = run_day(day, selected, order.out, making,
+                                                         {.jobs = order.jobs,
+                                                          .makes = work != Work::looked_at,
+                                                          .finish = interrupts.finish(),
+                                                          .stop = interrupts.stop()},
+                                                         *progress);
     DaySummary summary = summary_of(outcomes, selected);
-    if (std::string words = foreign_records_words(outcomes); !words.empty())
-        summary.closing.push_back(std::move(words));
     ResultsWritten written;
-    if (results == Results::written && !interrupts.stop().stop_requested())
+    if (work != Work::share && !interrupts.stop().stop_requested())
         written = results_written(order, day, outcomes);
     summary.results = written.page;
     if (written.trouble)
         summary.closing.push_back("The day's results could not be written: " +
                                   written.trouble->problem());
     const bool unfinished =
-        summary.not_processed > 0 || (results == Results::written && written.page.empty());
+        summary.not_processed > 0 || (work != Work::share && written.page.empty());
     if (interrupts.finish().stop_requested() && unfinished)
         summary.closing.emplace_back(
             "Interrupted. The same command again goes on from here: what was made is kept.");
@@ -127,54 +121,105 @@ int run_selected(const BatchOrder& order, const Day& day, const std::vector<bool
     return summary.failed == 0 && !unfinished ? 0 : 2;
 }
 
-/// The submitted runs whose task ended before they did: a node was lost, or could not begin it.
-/// None if they are so many that the cluster, or a cancellation, is the reason.
-std::vector<bool> lost_runs(const BatchOrder& order, const Day& day,
-                            const std::set<std::string>& submitted) {
-    const std::vector<RunState> states = inspect_day(day, order.context, order.jobs);
-    std::vector<bool> lost(states.size());
+std::vector<std::string> with(std::vector<std::string> words,
+                              const std::vector<std::string>& more) {
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+}
+
+/// `PROGRAM batch DAY... --out OUT` for another machine: the running program and absolute paths.
+std::vector<std::string> batch_command(const BatchOrder& order) {
+    std::vector<std::string> words{fs::read_symlink("/proc/self/exe").string(), "batch"};
+    for (const fs::path& path : order.day)
+        words.push_back(fs::absolute(path).string());
+    for (const std::string& pattern : order.only)
+        words.insert(words.end(), {"--only", pattern});
+    return with(words, {"--out", fs::absolute(order.out).string()});
+}
+
+/// The array of the day's runs that are not done; nothing where all are.
+std::optional<ArrayJob> planned(const BatchOrder& order, const Day& day,
+                                const std::vector<bool>& selected) {
+    const std::vector<RunState> states = inspect_day(day, order.out, order.making, order.jobs);
+    std::size_t to_do = 0;
     for (std::size_t i = 0; i < states.size(); ++i)
-        lost[i] = submitted.contains(day.attempts[i].id) && !day.attempts[i].refused &&
-                  !states[i].complete && !states[i].failure;
-    constexpr std::size_t few = 3;
-    const auto count = static_cast<std::size_t>(std::ranges::count(lost, true));
-    if (count > std::max(few, submitted.size() / 10)) lost.assign(states.size(), false);
-    return lost;
+        if (selected[i] && !day.attempts[i].refused && !states[i].complete) ++to_do;
+    if (to_do == 0) return std::nullopt;
+    constexpr std::size_t digits = 8;
+    const std::string out = fs::weakly_canonical(fs::absolute(order.out)).string();
+    fmt::print("{} to be made\n", counted(static_cast<std::int64_t>(to_do), "run"));
+    return ArrayJob{
+        .name = fmt::format("runcert-{}-{}", day.name, sha256_hex(out).substr(0, digits)),
+        .tasks = tasks_for(to_do, array_limits()),
+        .folder = fs::absolute(order.out / batch_folder / "slurm")};
 }
 
 }  // namespace
 
 int run_batch(const BatchOrder& order) {
-    const Day day = read_day(order.day, order.context.out);
-    return run_selected(order, day, chosen_of(day, order.only), LockKind::exclusive,
-                        Results::written);
+    const Day day = read_day(order.day, order.out);
+    return run_selected(order, day, chosen_of(day, order.only), Work::whole);
 }
 
-int run_share(const BatchOrder& order, const Share& share, const fs::path& pending) {
-    if (!order.passing_key.empty())
-        throw Failure("--share", order.passing_key,
+int run_share(const BatchOrder& order, const Share& share) {
+    if (const std::string missing = missing_state(); !missing.empty())
+        throw Failure("--share", missing,
                       "Set XDG_STATE_HOME to a folder of this user's that the computers share");
-    const Day day = read_day(order.day, order.context.out);
-    const std::set<std::string> listed = lines_in(pending);
-    std::vector<bool> selected(day.attempts.size());
+    const Day day = read_day(order.day, order.out);
+    std::vector<bool> selected = chosen_of(day, order.only);
     std::size_t place = 0;
     for (std::size_t i = 0; i < selected.size(); ++i)
-        if (listed.contains(day.attempts[i].id)) selected[i] = place++ % share.of == share.part;
-    return run_selected(order, day, selected, LockKind::shared, Results::left);
+        if (selected[i]) selected[i] = place++ % share.of == share.part;
+    return run_selected(order, day, selected, Work::share);
 }
 
-int gather_day(const BatchOrder& order, const fs::path& pending) {
-    const Day day = read_day(order.day, order.context.out);
-    if (!pending.empty())
-        if (const std::vector<bool> lost = lost_runs(order, day, lines_in(pending));
-            std::ranges::count(lost, true) > 0)
-            run_selected(order, day, lost, LockKind::shared, Results::left);
-    const Interrupts interrupts;
-    const auto lock =
-        lock_day(order.context.out, LockKind::exclusive, order.wait, interrupts.finish());
-    if (!lock) return 2;
-    remove_half_written(BatchFolders(order.context.out));
-    return write_results_of(day, inspect_day(day, order.context, order.jobs), order.context);
+int run_on_cluster(const BatchOrder& order, const std::vector<std::string>& task_options,
+                   const std::vector<std::string>& slurm_args) {
+    const Day day = read_day(order.day, order.out);
+    const std::vector<bool> selected = chosen_of(day, order.only);
+    make_directory(order.out);
+    if (auto job = planned(order, day, selected)) {
+        job->command = with(batch_command(order), task_options);
+        job->slurm_args = slurm_args;
+        if (const std::string id = job_at_work(*job); !id.empty())
+            throw Failure("Slurm",
+                          fmt::format("job {} of an earlier call is at work on this day", id),
+                          fmt::format("Wait until it has ended (squeue --me shows it), or end it "
+                                      "with scancel {}; then give this command again",
+                                      id));
+        fmt::print(
+            "{} as {}. They go on if this call ends; the same command then goes on from "
+            "what is done\n",
+            counted(static_cast<std::int64_t>(job->tasks), "task"), job->name);
+        std::fflush(stdout);
+        run_array(*job);
+    }
+    return run_selected(order, day, selected, Work::looked_at);
+}
+
+int say_status(const BatchOrder& order) {
+    const Day day = read_day(order.day, order.out);
+    std::size_t done = 0;
+    std::string lines;
+    const std::vector<RunState> states = inspect_day(day, order.out, order.making, order.jobs);
+    for (std::size_t i = 0; i < states.size(); ++i) {
+        const AttemptOutcome outcome = outcome_of(day.attempts[i], states[i], "");
+        if (outcome.state == "done")
+            ++done;
+        else if (outcome.failure)
+            lines += plain_text(fmt::format("  failed  {}: {}: {}", day.attempts[i].id,
+                                            outcome.failure->step, outcome.failure->problem)) +
+                     "\n";
+        else
+            lines += plain_text(fmt::format("  to do   {}: {}", day.attempts[i].id,
+                                            states[i].steps.empty()
+                                                ? "not begun"
+                                                : fmt::format("{}: {}", states[i].steps.back().step,
+                                                              states[i].steps.back().reason))) +
+                     "\n";
+    }
+    fmt::print("{} of {} attempts done\n{}", done, states.size(), lines);
+    return done == states.size() ? 0 : 1;
 }
 
 }  // namespace runcert

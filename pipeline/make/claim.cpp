@@ -12,9 +12,11 @@
 
 namespace runcert {
 
-Claim read_claim(const DayAttempt& given, const std::filesystem::path& composed) {
+Claim read_claim(const DayAttempt& given) {
     Claim claim;
-    claim.source.file = given.file.empty() ? composed : given.file;
+    // The text that a day file made has lines that are not the day file's.
+    claim.source.file =
+        given.file.empty() ? given.folder / (given.source + " as attempt.yaml") : given.file;
     claim.source.folder = given.folder;
     claim.text = given.file.empty() ? given.text : read_handwritten(given.file);
     const std::string where = claim.source.file.string();

@@ -6,15 +6,13 @@
 #include <vector>
 
 #include "make/day_attempts.h"
+#include "make/run_record.h"
 #include "run/attempt_files.h"
 #include "run/steps.h"
 #include "store/held_json.h"
 #include "store/yaml_input.h"
 
 namespace runcert {
-
-/// Names of files in a run folder, with the SHA-256 of each.
-using FileHashes = std::map<std::string, std::string>;
 
 /// An attempt as it is now, with all that it names except recordings.
 struct Claim {
@@ -25,10 +23,9 @@ struct Claim {
     FileHashes files;                 ///< attempt, profiles, and series of wind and current
 };
 
-/// Reads an attempt of a day, from its own file if it has one; `composed` names in messages the
-/// file that keeps the text of one without. Failures as of `read_attempt`, and where something
-/// cannot be found or the id is no longer the one that the day listed.
-Claim read_claim(const DayAttempt& given, const std::filesystem::path& composed);
+/// Reads an attempt of a day, from its own file if it has one. Failures as of `read_attempt`, and
+/// where something cannot be found or the id is no longer the one that the day listed.
+Claim read_claim(const DayAttempt& given);
 
 /// SHA-256 hashes of all files that import reads for a claim, by name in the run folder.
 FileHashes recording_hashes(const Claim& claim);

@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "core/failure.h"
 #include "make/day_run.h"
-#include "make/run_files.h"
-#include "make/run_marks.h"
 #include "make/run_record.h"
 #include "schemas/common/product_files.h"
 #include "store/atomic_file.h"
+#include "store/folder.h"
 #include "store/process.h"
 #include "store/sha256.h"
 #include "trust/attestation.h"
@@ -70,12 +70,35 @@ bool are_as_written(const fs::path& out, const FileHashes& files) {
     });
 }
 
+/// Folders of results that hold a run of no attempt of the day.
+std::vector<std::string> runs_without_attempt(const Day& day, const fs::path& out) {
+    std::set<std::string> ids;
+    for (const DayAttempt& attempt : day.attempts)
+        ids.insert(attempt.id);
+    std::vector<std::string> names;
+    const Folder results(out);
+    for (const std::string& name : results.names())
+        if (!ids.contains(name) && results.kind_of(name) == EntryKind::folder &&
+            !name.starts_with('.') && fs::exists(out / name / "report.json"))
+            names.push_back(name);
+    return names;
+}
+
+/// Moves an entry that this user's calls did not write to the first free name among what was
+/// superseded.
+void set_aside(const Folder& folder, const std::string& name) {
+    const Folder kept = folder.make(batch_folder).make("superseded");
+    std::string free = name;
+    for (int number = 2; kept.kind_of(free) != EntryKind::none; ++number)
+        free = fmt::format("{}.{}", name, number);
+    folder.rename(name, kept, free);
+}
+
 /// What became of each attempt, as runcert-day reads it.
 std::string results_list_text(const Day& day, const std::vector<AttemptOutcome>& outcomes,
-                              const BatchContext& context) {
-    const fs::path& out = context.out;
+                              const fs::path& out) {
     Json list{{"day", day.name}, {"attempts", Json::array()}, {"notes", day.notes}};
-    for (const std::string& id : mark_runs(day, outcomes, context))
+    for (const std::string& id : runs_without_attempt(day, out))
         list["notes"].push_back(
             fmt::format("The folder {} holds a run that no attempt of this day makes", id));
     for (std::size_t i = 0; i < outcomes.size(); ++i)
@@ -86,55 +109,35 @@ std::string results_list_text(const Day& day, const std::vector<AttemptOutcome>&
 }  // namespace
 
 void make_day_results(const Day& day, const std::vector<AttemptOutcome>& outcomes,
-                      const BatchContext& context) {
-    const BatchFolders folders(context.out);
-    const std::string list = results_list_text(day, outcomes, context);
-    const std::string program = (context.program_folder / "runcert-day").string();
-    StepRecord now{.programs = {{"runcert-day", program_hash(program)}},
+                      const fs::path& out) {
+    const std::string list = results_list_text(day, outcomes, out);
+    const fs::path program = program_folder() / "runcert-day";
+    StepRecord now{.programs = {{"runcert-day", digest_file(program).sha256}},
                    .settings = Json::object(),
-                   .inputs = {{"list", sha256_hex(list)}},
-                   .outputs = {},
-                   .said = {}};
-    const RecordPlace place{
-        .file = folders.results_record(), .of = "day", .key = context.record_key};
-    RunRecord record = read_run_record(place);
-    const auto known = record.steps.find(results_step);
-    if (known != record.steps.end() && what_changed(known->second, now).empty() &&
-        are_as_written(context.out, known->second.outputs))
-        return;
+                   .inputs = {{"list", sha256_hex(list)}}};
+    RunRecord record = recalled_record(out);
+    const StepRecord& before = record.steps[results_step];
+    if (what_changed(before, now).empty() && are_as_written(out, before.outputs)) return;
     for (const std::string name : day_files) {
-        const fs::path file = context.out / name;
-        const auto before = known == record.steps.end() ? FileHashes() : known->second.outputs;
-        if (fs::exists(fs::symlink_status(file)) &&
-            !are_as_written(context.out, {{name, before.contains(name) ? before.at(name) : ""}}))
-            set_aside(Folder(context.out), name, context.out);
+        const auto known = before.outputs.find(name);
+        if (fs::exists(fs::symlink_status(out / name)) &&
+            (known == before.outputs.end() || !are_as_written(out, {*known})))
+            set_aside(Folder(out), name);
     }
-    write_file_atomically(folders.results_list(), list);
-    const ProcessResult result = run_process(
-        {program, "--out", context.out.string(), "--list", folders.results_list().string()},
-        {.time_limit = context.time_limit, .most_output = most_output_of_step, .own_group = true});
+    const fs::path list_file = out / batch_folder / "results.json";
+    write_file_atomically(list_file, list);
+    const std::chrono::minutes limit(10);
+    const ProcessResult result =
+        run_process({program.string(), "--out", out.string(), "--list", list_file.string()},
+                    {.time_limit = limit, .most_output = most_output_of_step, .own_group = true});
     if (result.end != ProcessEnd::by_itself || result.exit_status != 0) {
-        const RunFailure failure = failure_of_program(results_step, result, context.time_limit);
+        const RunFailure failure = failure_of_program(results_step, result, limit);
         throw Failure(failure.where, failure.problem, failure.remedy);
     }
     for (const char* name : day_files)
-        now.outputs[name] = digest_file(context.out / name).sha256;
+        now.outputs[name] = digest_file(out / name).sha256;
     record.steps[results_step] = std::move(now);
-    write_run_record(place, record);
-}
-
-int write_results_of(const Day& day, const std::vector<RunState>& states,
-                     const BatchContext& context, std::string_view words_before) {
-    std::vector<AttemptOutcome> outcomes;
-    for (std::size_t i = 0; i < states.size(); ++i)
-        outcomes.push_back(outcome_of(day.attempts[i], states[i],
-                                      "it was not run to its end; the same command makes it"));
-    make_day_results(day, outcomes, context);
-    const auto done =
-        static_cast<std::size_t>(std::ranges::count(outcomes, "done", &AttemptOutcome::state));
-    fmt::print("{}{} of {} attempts done; results {}\n", words_before, done, outcomes.size(),
-               (context.out / "day.html").string());
-    return done == outcomes.size() ? 0 : 2;
+    remember_record(out, record);
 }
 
 }  // namespace runcert

@@ -9,7 +9,7 @@
 
 #include "core/failure.h"
 #include "core/text.h"
-#include "make/run_files.h"
+#include "run/staging_folder.h"
 #include "schemas/common/product_files.h"
 #include "store/pattern.h"
 
@@ -55,39 +55,49 @@ FileHashes named_in_results(const FileHashes& files) {
 /// One attempt of the day on this computer.
 class AttemptRun {
   public:
-    AttemptRun(std::size_t index, const DayAttempt& attempt, Progress& progress)
-        : index_(index), attempt_(attempt), progress_(progress) {}
+    AttemptRun(std::size_t index, const DayAttempt& attempt, const std::filesystem::path& out,
+               Progress& progress)
+        : index_(index),
+          attempt_(attempt),
+          order_{.attempt = attempt, .run_dir = out / attempt.id},
+          progress_(progress) {}
 
-    AttemptOutcome run(const BatchContext& context, const LocalEngine& engine) {
+    AttemptOutcome run(const MakerOptions& making, const LocalEngine& engine) {
         if (engine.finish.stop_requested()) {
             progress_.attempt_skipped(index_);
             // What is there from before counts, unless all is to stop now.
             return outcome_of(attempt_,
                               attempt_.refused || engine.stop.stop_requested()
                                   ? RunState{}
-                                  : inspect_run(attempt_, context),
+                                  : inspect_run(order_, making),
                               "the batch was interrupted before");
         }
         progress_.attempt_begins(index_, attempt_.id);
         const auto begin = std::chrono::steady_clock::now();
-        const RunState state = made(context, engine);
+        const RunState state = made(making, engine);
+        if (!engine.makes && !state.complete && !state.failure) {
+            progress_.attempt_skipped(index_);
+            return outcome_of(attempt_, state,
+                              "it was not run to its end; the same command makes it");
+        }
         const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
         report(state, elapsed.count());
         AttemptOutcome outcome =
             outcome_of(attempt_, state, "the batch was interrupted while it ran");
         for (const StepReport& step : state.steps)
             ++(step.ran ? outcome.steps_run : outcome.steps_kept);
-        outcome.foreign_record = state.foreign_record;
         return outcome;
     }
 
   private:
-    RunState made(const BatchContext& context, const LocalEngine& engine) {
+    RunState made(const MakerOptions& making, const LocalEngine& engine) {
         if (attempt_.refused) return {.failure = refusal_of(*attempt_.refused)};
-        const StepWatch watch{
+        const MakerWatch watch{
             .begins = [&](const std::string& step) { progress_.step_begins(index_, step); },
-            .ends = [&](const StepReport& step) { progress_.step_ends(index_, step); }};
-        return update_run(attempt_, context, watch, engine.stop);
+            .ends = [&](const StepReport& step, const StepRecord&,
+                        const std::filesystem::path&) { progress_.step_ends(index_, step); }};
+        if (!engine.makes) return inspect_run(order_, making);
+        return update_run(order_, making, watch, engine.stop);
     }
 
     void report(const RunState& state, double seconds) {
@@ -99,6 +109,7 @@ class AttemptRun {
                              .steps = state.steps,
                              .said = state.said,
                              .signs = state.signs,
+                             .superseded = state.superseded,
                              .error = state.failure ? error_text(*state.failure) : "",
                              .seconds = seconds};
         progress_.attempt_ends(index_, report);
@@ -106,8 +117,14 @@ class AttemptRun {
 
     std::size_t index_;
     const DayAttempt& attempt_;
+    RunOrder order_;
     Progress& progress_;
 };
+
+RunState inspected(const DayAttempt& attempt, const std::filesystem::path& out,
+                   const MakerOptions& making) {
+    return inspect_run({.attempt = attempt, .run_dir = out / attempt.id}, making);
+}
 
 void refuse_inner(const Folder& folder, const std::string& name) {
     const Folder inner = folder.open(name);
@@ -126,10 +143,9 @@ void refuse_links(const Folder& folder) {
 
 std::optional<FolderLock> lock_day(const std::filesystem::path& out, LockKind kind, bool wait,
                                    const std::stop_token& stop) {
-    const BatchFolders folders(out);
-    const Folder own = make_below(folders.out, folders.own().filename());
+    const Folder own = make_below(out, batch_folder);
     refuse_links(own);
-    const std::string lock = folders.day_lock().filename().string();
+    const std::string lock = "batch.lock";
     if (wait)
         return FolderLock::wait_lock(own, lock, kind, stop, [](const std::string& holder) {
             fmt::print(stderr, "waiting for another batch on this folder: {}\n", holder);
@@ -165,37 +181,31 @@ AttemptOutcome outcome_of(const DayAttempt& attempt, const RunState& state,
     return {.reason = otherwise};
 }
 
-void remove_half_written(const BatchFolders& folders) {
-    for (const auto& folder :
-         {folders.out, folders.own(), folders.record("").parent_path(),
-          folders.work("").parent_path(), folders.composed("").parent_path(), folders.slurm()})
-        remove_temporaries(folder);
-}
-
 std::vector<AttemptOutcome> run_day(const Day& day, const std::vector<bool>& selected,
-                                    const BatchContext& context, const LocalEngine& engine,
-                                    Progress& progress) {
+                                    const std::filesystem::path& out, const MakerOptions& making,
+                                    const LocalEngine& engine, Progress& progress) {
     std::vector<AttemptOutcome> outcomes(day.attempts.size());
     for_each_index(day.attempts.size(), engine.jobs, [&](std::size_t i) {
         const DayAttempt& attempt = day.attempts[i];
         if (selected[i]) {
-            outcomes[i] = AttemptRun(i, attempt, progress).run(context, engine);
+            outcomes[i] = AttemptRun(i, attempt, out, progress).run(making, engine);
             return;
         }
         progress.attempt_skipped(i);
         outcomes[i] =
-            outcome_of(attempt, attempt.refused ? RunState{} : inspect_run(attempt, context),
+            outcome_of(attempt, attempt.refused ? RunState{} : inspected(attempt, out, making),
                        "left out by --only");
     });
     return outcomes;
 }
 
-std::vector<RunState> inspect_day(const Day& day, const BatchContext& context, std::size_t jobs) {
+std::vector<RunState> inspect_day(const Day& day, const std::filesystem::path& out,
+                                  const MakerOptions& making, std::size_t jobs) {
     std::vector<RunState> states(day.attempts.size());
     for_each_index(day.attempts.size(), jobs, [&](std::size_t i) {
         const DayAttempt& attempt = day.attempts[i];
         if (attempt.refused) return;
-        states[i] = inspect_run(attempt, context);
+        states[i] = inspected(attempt, out, making);
         states[i].files = named_in_results(states[i].files);
     });
     return states;

@@ -7,16 +7,19 @@
 #include <vector>
 
 #include "make/day_attempts.h"
+#include "make/maker.h"
 #include "make/progress.h"
-#include "make/run_files.h"
-#include "make/run_update.h"
 #include "store/folder_lock.h"
 
 namespace runcert {
 
+/// What a batch keeps in the folder of results beside the runs and the day's pages.
+inline constexpr const char* batch_folder = ".runcert";
+
 /// How a day's attempts are run on this computer.
 struct LocalEngine {
     std::size_t jobs = 1;         ///< runs side by side
+    bool makes = true;            ///< or only looks how they stand
     std::stop_token finish = {};  ///< no further run is begun
     std::stop_token stop = {};    ///< what runs is ended
 };
@@ -28,7 +31,6 @@ struct AttemptOutcome {
     std::string reason = {};  ///< why it was not processed
     FileHashes files = {};    ///< report, pages and verdict, where done
     std::size_t steps_run = 0, steps_kept = 0;
-    bool foreign_record = false;  ///< its record was not this user's
 };
 
 /// The lock of the folder of results; nothing if a stop is requested while it waits for it.
@@ -40,18 +42,15 @@ std::optional<FolderLock> lock_day(const std::filesystem::path& out, LockKind ki
 /// chooses none: it is mistyped.
 std::vector<bool> chosen_of(const Day& day, const std::vector<std::string>& only);
 
-/// Removes what killed programs left half written beside the run folders. The caller holds the
-/// day's exclusive lock.
-void remove_half_written(const BatchFolders& folders);
-
 /// Runs the attempts of a day that are `selected`, and inspects the others. The outcomes are in the
 /// order of the day.
 std::vector<AttemptOutcome> run_day(const Day& day, const std::vector<bool>& selected,
-                                    const BatchContext& context, const LocalEngine& engine,
-                                    Progress& progress);
+                                    const std::filesystem::path& out, const MakerOptions& making,
+                                    const LocalEngine& engine, Progress& progress);
 
 /// How all attempts of a day stand, without running any.
-std::vector<RunState> inspect_day(const Day& day, const BatchContext& context, std::size_t jobs);
+std::vector<RunState> inspect_day(const Day& day, const std::filesystem::path& out,
+                                  const MakerOptions& making, std::size_t jobs);
 
 /// The outcome of an attempt whose run was inspected and not made; `otherwise` is the reason where
 /// it is neither done nor failed.
@@ -61,11 +60,6 @@ AttemptOutcome outcome_of(const DayAttempt& attempt, const RunState& state,
 /// Writes the day's results (day.yaml, day.csv, day.html) by runcert-day, unless they are those of
 /// these outcomes already. Failure if they cannot be written.
 void make_day_results(const Day& day, const std::vector<AttemptOutcome>& outcomes,
-                      const BatchContext& context);
-
-/// Writes the day's results of how its runs stand, and says how many are done, after some words.
-/// The exit status: 0 if all attempts are done, else 2.
-int write_results_of(const Day& day, const std::vector<RunState>& states,
-                     const BatchContext& context, std::string_view words_before = "");
+                      const std::filesystem::path& out);
 
 }  // namespace runcert

@@ -32,6 +32,7 @@ struct AttemptReport {
     std::vector<StepReport> steps = {};
     std::vector<std::string> said = {};   ///< a line for each profile
     std::vector<std::string> signs = {};  ///< what was signed, a line for each profile
+    std::string superseded = {};          ///< where an earlier run went, within the run folder
     std::string error = {};               ///< lines
     double seconds = 0.0;
 };

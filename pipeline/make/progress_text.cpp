@@ -127,6 +127,8 @@ std::size_t steps_run(const AttemptReport& attempt) {
 std::string attempt_text(const AttemptReport& attempt, const AttemptTextOptions& options) {
     std::string text = first_line(attempt, options);
     text += lines_below(attempt.error, indent);
+    if (!attempt.superseded.empty())
+        text += fmt::format("{}the earlier run is in {}\n", indent, plain_text(attempt.superseded));
     for (const std::string& line : attempt.signs)
         text += fmt::format("{}signed {}\n", indent, plain_text(line));
     if (options.explain)

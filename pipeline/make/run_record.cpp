@@ -7,11 +7,9 @@
 
 #include "core/failure.h"
 #include "run/steps.h"
-#include "schemas/common/product_files.h"
-#include "store/atomic_file.h"
 #include "store/external_program.h"
 #include "store/sha256.h"
-#include "trust/signature_files.h"
+#include "store/user_state.h"
 
 namespace runcert {
 namespace {
@@ -19,14 +17,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
-constexpr const char* form = "runcert-record/2";
-constexpr const char* seal = "seal";
-/// A record of a run with 20 receivers has some 50 kB.
-constexpr std::uintmax_t longest_record = std::uintmax_t{4} << 20;
-
-std::string text_of(const Json& json) {
-    return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
-}
+constexpr const char* form = "runcert-made/1";
 
 Json json_of(const StepRecord& step) {
     return {{"programs", step.programs}, {"settings", *step.settings}, {"inputs", step.inputs},
@@ -34,80 +25,40 @@ Json json_of(const StepRecord& step) {
 }
 
 StepRecord step_of(const Json& json) {
-    using Hashes = std::map<std::string, std::string>;
-    return {.programs = json.at("programs").get<Hashes>(),
+    return {.programs = json.at("programs").get<FileHashes>(),
             .settings = json.at("settings"),
-            .inputs = json.at("inputs").get<Hashes>(),
-            .outputs = json.at("outputs").get<Hashes>(),
+            .inputs = json.at("inputs").get<FileHashes>(),
+            .outputs = json.at("outputs").get<FileHashes>(),
             .said = json.at("said").get<std::vector<std::string>>(),
             .seconds = json.at("seconds").get<double>()};
-}
-
-/// Whether a batch makes files of that name.
-bool is_made_by_a_batch(const std::string& name) {
-    return is_file_of_a_run(name) || name == "report.json" || is_page_name(name);
-}
-
-RunRecord foreign_record() {
-    RunRecord record;
-    record.foreign = true;
-    return record;
-}
-
-/// A record says what need not be made again and which files are to be removed: one that this
-/// user's program did not write must not be read.
-RunRecord record_of(Json json, const RecordPlace& place) {
-    RunRecord record;
-    const std::string written = json.at(seal).get<std::string>();
-    json.erase(seal);
-    if (!place.key.sealed(text_of(json), written) || json.at("form") != form ||
-        json.at("of") != place.of)
-        return foreign_record();
-    for (const auto& [name, step] : json.at("steps").items())
-        record.steps[name] = step_of(step);
-    for (const std::string name : json.at("published")) {
-        // These are removed one day: only what a batch makes may be among them.
-        if (!is_made_by_a_batch(name)) return foreign_record();
-        record.published.push_back(name);
-    }
-    if (json.contains("failure")) {
-        const Json& failure = json.at("failure");
-        record.failure = RunFailure{.step = failure.at("step"),
-                                    .problem = failure.at("problem"),
-                                    .where = failure.at("where"),
-                                    .remedy = failure.at("remedy")};
-    }
-    return record;
 }
 
 constexpr const char* not_installed = "none";
 
 }  // namespace
 
-RunRecord read_run_record(const RecordPlace& place) {
-    if (!std::filesystem::exists(place.file)) return {};
-    std::error_code error;
-    if (std::filesystem::file_size(place.file, error) > longest_record && !error)
-        return foreign_record();
-    bool too_deep = false;
-    const auto depth_guard = [&too_deep](int depth, Json::parse_event_t, Json&) {
-        constexpr int deepest = 64;  // writing out what is deeper would exhaust the stack
-        too_deep = too_deep || depth > deepest;
-        return !too_deep;
-    };
+RunRecord recalled_record(const fs::path& run_dir) {
     try {
-        Json json = Json::parse(read_file(place.file), depth_guard);
-        return too_deep ? foreign_record() : record_of(std::move(json), place);
+        const Json json = Json::parse(recalled(run_dir));
+        RunRecord record;
+        if (json.at("form") != form) return record;
+        for (const auto& [name, step] : json.at("steps").items())
+            record.steps[name] = step_of(step);
+        if (json.contains("failure")) {
+            const Json& failure = json.at("failure");
+            record.failure = RunFailure{.step = failure.at("step"),
+                                        .problem = failure.at("problem"),
+                                        .where = failure.at("where"),
+                                        .remedy = failure.at("remedy")};
+        }
+        return record;
     } catch (const Json::exception&) {
-        return foreign_record();
+        return {};
     }
 }
 
-void write_run_record(const RecordPlace& place, const RunRecord& record) {
-    Json json{{"form", form},
-              {"of", place.of},
-              {"steps", Json::object()},
-              {"published", record.published}};
+void remember_record(const fs::path& run_dir, const RunRecord& record) {
+    Json json{{"form", form}, {"steps", Json::object()}};
     for (const auto& [name, step] : record.steps)
         json["steps"][name] = json_of(step);
     if (record.failure)
@@ -115,15 +66,13 @@ void write_run_record(const RecordPlace& place, const RunRecord& record) {
                            {"problem", record.failure->problem},
                            {"where", record.failure->where},
                            {"remedy", record.failure->remedy}};
-    json[seal] = place.key.seal(text_of(json));
-    // Lost by a power cut, it costs making the run again. But what was published must be known, to
-    // be removed when the run no longer has it.
-    if (record.published.empty())
-        write_file_unsynced(place.file, text_of(json));
-    else
-        write_file_atomically(place.file, text_of(json));
+    remember(run_dir, json.dump(1, ' ', false, Json::error_handler_t::replace));
 }
 
+namespace {
+
+/// Of the file of that path or, where it holds no slash, of the first of that name in the folders
+/// of the system; "none" where there is none.
 std::string program_hash(const std::string& program) {
     const fs::path file =
         program.find('/') == std::string::npos ? external_program_file(program) : fs::path(program);
@@ -131,6 +80,8 @@ std::string program_hash(const std::string& program) {
         return digest_file(file).sha256;
     return not_installed;
 }
+
+}  // namespace
 
 std::map<std::string, StepPrograms> programs_of_steps(const fs::path& folder) {
     std::map<std::string, std::string> known;

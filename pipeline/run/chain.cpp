@@ -48,6 +48,7 @@ StageDone run_program(const Step& step, const RunInMaking& run) {
 }
 
 StageDone make_step(const Step& step, const RunInMaking& run) {
+    if (step.name == "render" && run.draw) return run.draw();
     if (!step.program.empty()) {
         StageDone done = run_program(step, run);
         done.wrote = outputs_of(step, run.attempt, run.report);

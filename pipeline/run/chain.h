@@ -53,6 +53,7 @@ struct RunInMaking {
     ProcessOptions process = {.environment = {synced_by_caller()}};
     std::optional<GpsTime> latest = std::nullopt;  ///< no recording may begin later
     std::function<std::string()> sign = {};        ///< signs the report; the signature's name
+    std::function<StageDone()> draw = {};          ///< draws the pages; empty: its program does
 };
 
 /// The end of tomorrow by the computer's clock, but for the leap seconds.

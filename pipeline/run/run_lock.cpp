@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "core/failure.h"
-#include "store/record_key.h"
+#include "store/user_state.h"
 
 namespace runcert {
 namespace {
@@ -45,11 +45,6 @@ void remove_half_written(const Folder& folder, bool is_run) {
     }
 }
 
-void prepare(const Folder& run) {
-    keep_own_names();
-    remove_half_written(run, true);
-}
-
 }  // namespace
 
 bool is_run_subfolder(std::string_view name) {
@@ -57,11 +52,13 @@ bool is_run_subfolder(std::string_view name) {
 }
 
 RunLock::RunLock(const std::filesystem::path& run_dir, RunUse use) {
-    if (take(AT_FDCWD, run_dir, true, run_dir) && use == RunUse::writes) prepare(Folder(run_dir));
+    if (take(AT_FDCWD, run_dir, true, run_dir) && use == RunUse::writes)
+        remove_half_written(Folder(run_dir), true);
 }
 
 RunLock::RunLock(const Folder& parent, const std::string& name) {
-    if (take(parent.number(), name, false, parent.path() / name)) prepare(parent.open(name));
+    if (take(parent.number(), name, false, parent.path() / name))
+        remove_half_written(parent.open(name), true);
 }
 
 bool RunLock::take(int parent, const std::filesystem::path& name, bool follow,

@@ -10,21 +10,16 @@
 #include <vector>
 
 #include "core/failure.h"
-#include "run/ready_run.h"
 #include "store/atomic_file.h"
-#include "store/record_key.h"
-#include "store/sha256.h"
+#include "store/user_state.h"
 
 namespace runcert {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// What its staging folders are named by, whatever a run is called.
-std::string mark_of(const std::string& run) {
-    constexpr std::size_t digits = 16;
-    return sha256_hex(run).substr(0, digits);
-}
+constexpr const char* report_name = "report.json";
+constexpr const char* staged_name = "run";
 
 /// The lock of a folder, where nobody has it.
 std::optional<FileDescriptor> locked(const Folder& folder) {
@@ -41,17 +36,6 @@ void remove_unless_locked(const Folder& parent, const std::string& name) {
         if (const auto lock = locked(folder)) parent.remove_tree(name);
     } catch (const Failure&) {
     }
-}
-
-void clear_inside(const Folder& run) {
-    if (run.kind_of(ready_name) != EntryKind::none) finish_in_place(run);
-    for (const std::string& name : run.names())
-        if (is_own_name(run, name)) {
-            if (run.kind_of(name) == EntryKind::folder)
-                remove_unless_locked(run, name);
-            else if (name.ends_with(".tmp"))
-                run.remove(name);
-        }
 }
 
 bool is_mount_point(const Folder& folder, const Folder& parent) {
@@ -101,6 +85,41 @@ void take_permissions(const Folder& from, const Folder& to) {
     [[maybe_unused]] const int mode = fchmod(opened.number(), facts.st_mode & 07777U);
 }
 
+/// The names of a run's entries in the order in which they are put in place: what was superseded
+/// first, since nothing of it may be lost, and the report last.
+std::vector<std::string> report_last(const Folder& folder) {
+    std::vector<std::string> names = folder.names();
+    std::ranges::stable_sort(names, {}, [&folder](const std::string& name) {
+        return name == report_name                         ? 3
+               : name.starts_with("report.")               ? 2
+               : folder.kind_of(name) == EntryKind::folder ? 0
+                                                           : 1;
+    });
+    return names;
+}
+
+/// Has all that is in `from` in `to` too.
+void place_all(const Folder& from, const Folder& to) {
+    for (const std::string& name : report_last(from))
+        if (from.kind_of(name) == EntryKind::folder)
+            place_all(from.open(name), to.make(name));
+        else if (from.kind_of(name) == EntryKind::file || to.kind_of(name) == EntryKind::none)
+            from.place(name, to);
+}
+
+/// Gives a run folder the contents of another one, file by file. Whatever of the user's is to stay
+/// is in that one.
+void put_in_place(const Folder& made, const Folder& run) {
+    run.remove(report_name);
+    if (made.kind_of("superseded") == EntryKind::folder)
+        place_all(made.open("superseded"), run.make("superseded"));
+    for (const std::string& name : run.names())
+        if (made.kind_of(name) == EntryKind::none && run.kind_of(name) != EntryKind::folder)
+            run.remove(name);
+    place_all(made, run);
+    run.sync();
+}
+
 struct NamedIn {
     Folder parent;
     std::string name;
@@ -119,18 +138,14 @@ NamedIn named_in(const fs::path& run_dir) {
 
 }  // namespace
 
-void clear_abandoned(const Folder& parent, const std::string& name) {
-    std::vector<std::string> beside;
+void clear_abandoned(const Folder& folder) {
     try {
-        beside = parent.names();
+        for (const std::string& name : folder.names())
+            if (is_own_name(folder, name) && folder.kind_of(name) == EntryKind::folder)
+                remove_unless_locked(folder, name);
     } catch (const Failure&) {
         // A folder that may not be listed: what was left there stays.
     }
-    const std::string begin = ".runcert-" + mark_of(name) + "-";
-    for (const std::string& each : beside)
-        if (each.starts_with(begin) && is_own_name(parent, each))
-            remove_unless_locked(parent, each);
-    if (parent.kind_of(name) == EntryKind::folder) clear_inside(parent.open(name));
 }
 
 StagingFolder::StagingFolder(const fs::path& run_dir)
@@ -138,7 +153,9 @@ StagingFolder::StagingFolder(const fs::path& run_dir)
           const bool created = !fs::exists(run_dir);
           NamedIn named = named_in(run_dir);
           return Place{std::move(named.parent), std::move(named.name), created};
-      }()) {}
+      }()) {
+    clear_abandoned(parent_);
+}
 
 StagingFolder::StagingFolder(const Folder& parent, const std::string& name)
     : StagingFolder(Place{parent.again(), name, parent.kind_of(name) == EntryKind::none}) {}
@@ -150,24 +167,24 @@ StagingFolder::StagingFolder(Place place)
         lock_.emplace(parent_, name_);
     } while (parent_.kind_of(name_) == EntryKind::none);
     run_ = parent_.open(name_);
-    clear_abandoned(parent_, name_);
-    open_beside_or_inside();
-}
-
-void StagingFolder::open_beside_or_inside() {
-    own_name_ = own_name(parent_, mark_of(name_));
-    inside_ = !may_be_exchanged(*run_, parent_) ||
-              // Whoever may write in the run folder need not be let to write beside it.
-              mkdirat(parent_.number(), own_name_.c_str(), 0700) != 0;
-    if (inside_) own_name_ = own_name(*run_, mark_of(name_));
-    own_ = inside_ ? run_->make(own_name_) : parent_.open(own_name_);
-    own_lock_ = locked(*own_);
+    clear_abandoned(*run_);
+    bool beside = may_be_exchanged(*run_, parent_);
+    do {  // another program may take one that is not locked yet for a killed program's
+        own_name_ = own_name();
+        // Whoever may write in the run folder need not be let to write beside it.
+        beside = beside && mkdirat(parent_.number(), own_name_.c_str(), 0700) == 0;
+        inside_ = !beside;
+        own_ = around().make(own_name_);
+        if (auto lock = locked(*own_)) own_lock_ = std::move(*lock);
+    } while (!around().has(own_->number(), own_name_));
     staged_ = own_->make(staged_name);
 }
 
 StagingFolder::~StagingFolder() {
+    // Closing alone would wait for a program that another thread is just starting.
+    if (own_lock_.is_open()) flock(own_lock_.number(), LOCK_UN);
     try {
-        place().remove_tree(own_name_);
+        around().remove_tree(own_name_);
     } catch (const Failure&) {
         // The next call removes it.
     }
@@ -185,9 +202,7 @@ void StagingFolder::publish() {
         take_permissions(*run_, *staged_);
         if (own_->exchange(staged_name, parent_, name_)) return parent_.sync();
     }
-    write_ready_record(*run_, *own_);
-    place().rename(own_name_, *run_, ready_name);
-    finish_in_place(*run_);
+    put_in_place(*staged_, *run_);
 }
 
 }  // namespace runcert

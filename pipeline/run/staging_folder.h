@@ -14,15 +14,12 @@ namespace runcert {
 ///
 /// It lies beside the run folder, in `.runcert-...`, and one rename exchanges the two: whoever
 /// looks, and whenever the program is killed, finds the earlier run or the new one. What is left of
-/// the one that lost is removed, after a kill by the next call of the same user (record_key.h).
+/// the one that lost is removed, after a kill by the same user's next call (`clear_abandoned`).
 ///
 /// Where a folder cannot be exchanged (a disk is mounted there, this program runs in it, it holds
 /// folders of the user's, its parent may not be written, its file system has no such rename), the
-/// new run is made inside it. When it is complete it is called `.runcert-ready`, and its files are
-/// put in place one by one, report.json out first and in last. A kill in the midst leaves no
-/// report.json, and the new run whole in `.runcert-ready`: the next call goes on from there, by a
-/// record in it that the same user's secret sealed. It says of which folder it is, and which files,
-/// with their SHA-256, are to go or to be replaced; others stay as they are.
+/// new run is made inside it, and its files are put in place one by one, report.json out first and
+/// in last: a kill in the midst leaves no report.json, and what was superseded is there already.
 class StagingFolder {
   public:
     /// For the run folder that a user named, which is made where it is missing and may be a link.
@@ -52,8 +49,7 @@ class StagingFolder {
         bool created = false;
     };
     explicit StagingFolder(Place place);
-    void open_beside_or_inside();
-    const Folder& place() const { return inside_ ? *run_ : parent_; }
+    const Folder& around() const { return inside_ ? *run_ : parent_; }
 
     Folder parent_;
     std::string name_;
@@ -63,13 +59,12 @@ class StagingFolder {
     bool inside_ = false;
     std::string own_name_;       ///< of the folder that holds the staged one
     std::optional<Folder> own_;  ///< locked: nobody else takes it for a killed program's
-    std::optional<FileDescriptor> own_lock_;
-    std::optional<Folder> staged_;
+    FileDescriptor own_lock_;
+    std::optional<Folder> staged_;  ///< the programs of the stages lock it
 };
 
-/// Removes what killed programs of this user left beside and in a run folder, and puts in place
-/// what one of them had ready. Failure where what is ready there is not this user's, or a file was
-/// put in its way since. The caller holds the run folder's lock, or a batch's lock of the run.
-void clear_abandoned(const Folder& parent, const std::string& name);
+/// Removes the staging folders that killed programs of this user left in a folder and at which none
+/// is at work.
+void clear_abandoned(const Folder& folder);
 
 }  // namespace runcert

@@ -16,7 +16,7 @@
 
 #include "core/failure.h"
 #include "store/folder.h"
-#include "store/record_key.h"
+#include "store/user_state.h"
 
 namespace runcert {
 namespace {
@@ -98,7 +98,7 @@ class TemporaryFile {
     int create(mode_t mode) {
         // O_EXCL keeps machines that share the folder apart.
         for (;;) {
-            name_ = own_name(folder_) + ".tmp";
+            name_ = own_name() + ".tmp";
             const int number = ::openat(folder_.number(), name_.c_str(),
                                         O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
             if (number >= 0) return number;

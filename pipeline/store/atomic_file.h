@@ -89,7 +89,7 @@ void read_pieces(const std::filesystem::path& path,
                  const std::function<void(std::string_view piece)>& take);
 
 /// Replaces or creates a file so that, whatever happens, its name holds the whole old contents
-/// or the whole new ones: written under a temporary name (record_key.h, `.tmp`) in the same folder,
+/// or the whole new ones: written under a temporary name (user_state.h, `.tmp`) in the same folder,
 /// synced (see below), renamed, the folder synced. A symbolic link there is replaced.
 /// Safe with several processes and threads at once; the last to rename wins.
 /// Failure where the name is that of a folder, a pipe or a device, and where any step fails

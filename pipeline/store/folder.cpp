@@ -11,7 +11,7 @@
 
 #include "core/failure.h"
 #include "store/atomic_file.h"
-#include "store/record_key.h"
+#include "store/user_state.h"
 
 namespace runcert {
 namespace {
@@ -159,7 +159,7 @@ bool Folder::exchange(const std::string& name, const Folder& other,
 }
 
 void Folder::place(const std::string& name, const Folder& to) const {
-    const std::string temporary = own_name(to) + ".tmp";
+    const std::string temporary = own_name() + ".tmp";
     if (linkat(number(), name.c_str(), to.number(), temporary.c_str(), 0) != 0) {
         if (kind_of(name) != EntryKind::file)
             fail_of_system(to.path() / name, "the file could not be put in place", errno);

@@ -98,10 +98,6 @@ std::string listed(const std::vector<std::string>& names) {
 
 void require_whole(const fs::path& run_dir, const ReportFacts& report,
                    const FolderContents& contents) {
-    if (std::ranges::find(contents.unknown, not_current_file) != contents.unknown.end())
-        throw Failure((run_dir / not_current_file).string(),
-                      "a batch could not make this run again, and says there why",
-                      "Mend the cause, and run the batch again");
     if (!contents.unknown.empty())
         throw Failure(run_dir.string(),
                       fmt::format("the folder holds what is no part of the run: {}",

@@ -103,8 +103,7 @@ void carry_own_files(const Folder& run, const Folder& made) {
     const auto named = named_by_report(run);
     for (const std::string& name : run.names()) {
         const EntryKind kind = run.kind_of(name);
-        if (is_made_anew(name) || kind == EntryKind::folder || belongs_to_signatures(name) ||
-            name == not_current_file)
+        if (is_made_anew(name) || kind == EntryKind::folder || belongs_to_signatures(name))
             continue;
         const auto of_run = named.find(name);
         const bool is_new = made.kind_of(name) == EntryKind::none;
@@ -112,8 +111,13 @@ void carry_own_files(const Folder& run, const Folder& made) {
         const std::string sha256 = kind == EntryKind::file && (of_run != named.end() || !is_new)
                                        ? digest_file(run.path() / name).sha256
                                        : "";
-        if (of_run != named.end() && sha256 == of_run->second && is_file_of_a_run(name)) continue;
-        if (is_new)
+        const bool is_of_run =
+            of_run != named.end() && sha256 == of_run->second && is_file_of_a_run(name);
+        if (is_of_run && is_product_name(name)) continue;
+        if (is_of_run && (is_new || digest_file(made.path() / name).sha256 != sha256)) {
+            const Folder kept = superseded_of(run, made);
+            if (kept.kind_of(name) == EntryKind::none) run.place(name, kept);
+        } else if (is_new)
             run.place(name, made);
         else if (kind == EntryKind::file && digest_file(made.path() / name).sha256 != sha256)
             supersede(run, name, made);
@@ -122,15 +126,20 @@ void carry_own_files(const Folder& run, const Folder& made) {
 
 }  // namespace
 
+std::string superseded_name(const Folder& run) {
+    constexpr std::size_t digits = 16;
+    const std::string report(signed_file);
+    return fmt::format(
+        "{}/{}", superseded_folder,
+        is_file(run, report) ? sha256_hex(run.read(report)).substr(0, digits) : "no-report");
+}
+
 Folder superseded_of(const Folder& run, const Folder& to) {
     const std::string report(signed_file);
-    const std::string signed_text = is_file(run, report) ? run.read(report) : "";
-    constexpr std::size_t digits = 16;
-    const std::string of_report =
-        signed_text.empty() ? "no-report" : sha256_hex(signed_text).substr(0, digits);
-    Folder kept = to.make(superseded_folder).make(of_report);
-    if (!signed_text.empty() && kept.kind_of(report) == EntryKind::none)
-        kept.write(report, signed_text);
+    Folder kept =
+        to.make(superseded_folder).make(fs::path(superseded_name(run)).filename().string());
+    if (is_file(run, report) && kept.kind_of(report) == EntryKind::none)
+        keep_copy(run, report, kept);
     return kept;
 }
 
@@ -245,6 +254,9 @@ void carry_over(const Folder& run, const Folder& made) {
     if (is_file(run, sealed_file) && is_sealed(run.path() / sealed_file) &&
         !same_in_both(run, made, sealed_file))
         supersede(run, sealed_file, made);
+    if (is_file(run, std::string(signed_file)) &&
+        !same_in_both(run, made, std::string(signed_file)))
+        (void)superseded_of(run, made);
     carry_own_files(run, made);
 }
 

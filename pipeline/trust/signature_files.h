@@ -35,14 +35,14 @@ bool belongs_to_signatures(std::string_view name);
 /// Whether a run can have a file of that name beside its report, pages and run.yaml.
 bool is_file_of_a_run(const std::string& name);
 
-/// The folder of what was superseded in a run: for each report that was signed a folder, named by
-/// the beginning of its SHA-256, with that report.json, its signatures, time stamps and sealed PDF,
-/// so that each can still be verified there; and files that somebody had changed in that run.
+/// The folder of what was superseded in a run: for each earlier report a folder, named by the
+/// beginning of its SHA-256, with that report.json, its signatures, time stamps and sealed PDF, so
+/// that each can still be verified there; what it was made from; and files that somebody had
+/// changed in that run.
 inline constexpr const char* superseded_folder = "superseded";
 
-/// The file by which a batch marks a run that it could not make again, and says why.
-inline constexpr const char* not_current_file = "NOT_CURRENT.txt";
-
+/// "superseded/0123456789abcdef", the folder for a run's report, which need not be there.
+std::string superseded_name(const Folder& run);
 /// The folder in `to`/superseded for the report of `run`, whose report.json it holds.
 Folder superseded_of(const Folder& run, const Folder& to);
 
@@ -68,10 +68,12 @@ void require_a_run(const Folder& run, const std::vector<std::string>& made,
                    const std::vector<std::string>& known = {});
 
 /// Brings what is worth keeping of a run folder into `made`, which takes its place and has a
-/// report.json. Signatures and attestations stand beside that where it is unchanged, byte for byte;
-/// else they go to superseded/, as do a sealed PDF, and files of the run that are not as its report
-/// names them where `made` has others. The user's own files, which no run has, come along. What is
-/// in `made` already stays, and a signature that differs from one there is superseded.
+/// report.json. Signatures and attestations stand beside that where it is unchanged, byte for byte.
+/// Else they go to superseded/ with the report and what it was made from that is not in `made`, too
+/// (attempt, rules, recordings); so do a sealed PDF, and files of the run that are not as its
+/// report names them. Stage files and pages do not, which can be made again. The user's own files,
+/// which no run has, come along. What is in `made` already stays, and a signature that differs from
+/// one there is superseded.
 void carry_over(const Folder& run, const Folder& made);
 
 }  // namespace runcert

@@ -93,9 +93,7 @@ std::vector<std::string> extra_files(const fs::path& run_dir, const ReportFacts&
         const bool link = fs::is_symlink(entry.symlink_status());
         extras.push_back(
             shown(name) +
-            (name == not_current_file
-                 ? ": a batch could not make this run again, and says there why"
-             : name.starts_with(program_leftover)
+            (name.starts_with(program_leftover)
                  ? ": left by a program that was killed, or put here by somebody: give the "
                    "command again, which clears away what is yours, or move it away"
              : link ? ": a symbolic link, not part of the report: remove it"

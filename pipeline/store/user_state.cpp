@@ -1,0 +1,118 @@
+#include "store/user_state.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <pwd.h>
+#include <sys/random.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdint>
+#include <cstdlib>
+#include <system_error>
+
+#include "core/failure.h"
+#include "store/atomic_file.h"
+#include "store/folder.h"
+#include "store/sha256.h"
+
+namespace runcert {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view begin = ".runcert-";
+
+std::optional<fs::path> absolute_folder(const char* text) {
+    // By the XDG base directory specification a relative one counts as none.
+    if (text == nullptr || !fs::path(text).is_absolute()) return std::nullopt;
+    return fs::path(text);
+}
+
+std::optional<fs::path> home() {
+    if (auto named = absolute_folder(std::getenv("HOME"))) return named;
+    const passwd* user = getpwuid(getuid());
+    return user == nullptr ? std::nullopt : absolute_folder(user->pw_dir);
+}
+
+/// Whether it is a folder in which nobody but this user can write. Links are not followed.
+bool is_ours_alone(const fs::path& folder) {
+    struct stat facts {};
+    return lstat(folder.c_str(), &facts) == 0 && S_ISDIR(facts.st_mode) &&
+           facts.st_uid == geteuid() && (facts.st_mode & (S_IWGRP | S_IWOTH)) == 0;
+}
+
+std::optional<fs::path> folder_of_memory() {
+    const auto state = state_folder();
+    if (!state) return std::nullopt;
+    return *state / "made";
+}
+
+/// The file of what is remembered about a folder.
+fs::path memory_file(const fs::path& memory, const fs::path& folder) {
+    constexpr std::size_t digits = 32;
+    std::error_code error;
+    const fs::path real = fs::weakly_canonical(folder, error);
+    return memory / (sha256_hex((error ? folder : real).string()).substr(0, digits) + ".json");
+}
+
+}  // namespace
+
+std::optional<fs::path> state_folder() {
+    if (auto named = absolute_folder(std::getenv("XDG_STATE_HOME"))) return *named / "runcert";
+    if (auto own = home()) return *own / ".local/state/runcert";
+    return std::nullopt;
+}
+
+std::string missing_state() {
+    constexpr const char* again = "the next call makes every run again";
+    const auto memory = folder_of_memory();
+    if (!memory) return fmt::format("This user has no folder to keep in what was made: {}.", again);
+    std::error_code error;
+    fs::create_directories(memory->parent_path(), error);
+    if (!error && mkdir(memory->c_str(), 0700) != 0 && errno != EEXIST)
+        error.assign(errno, std::generic_category());
+    if (error)
+        return fmt::format("What was made cannot be kept in {}: {}; {}.", memory->string(),
+                           error.message(), again);
+    if (!is_ours_alone(*memory))
+        return fmt::format("Others can write in {}, so that nothing there is believed; {}.",
+                           memory->string(), again);
+    return {};
+}
+
+std::string recalled(const fs::path& folder) {
+    const auto memory = folder_of_memory();
+    if (!memory || !is_ours_alone(*memory)) return {};
+    try {
+        return read_file(memory_file(*memory, folder));
+    } catch (const Failure&) {
+        return {};
+    }
+}
+
+void remember(const fs::path& folder, std::string_view text) {
+    if (!missing_state().empty()) return;
+    try {
+        write_file_unsynced(memory_file(*folder_of_memory(), folder), text);
+    } catch (const Failure&) {
+        // On a full disk: the next call makes the run again.
+    }
+}
+
+std::string own_name(std::string_view what) {
+    std::uint64_t random = 0;
+    if (getrandom(&random, sizeof random, 0) != sizeof random)
+        fail_of_system("/dev/urandom", "cannot draw a random name", errno);
+    return fmt::format("{}{}{}{}-{:016x}", begin, what, what.empty() ? "" : "-", getpid(), random);
+}
+
+bool is_own_name(const Folder& folder, const std::string& name) {
+    struct stat facts {};
+    return name.starts_with(begin) &&
+           fstatat(folder.number(), name.c_str(), &facts, AT_SYMLINK_NOFOLLOW) == 0 &&
+           facts.st_uid == geteuid();
+}
+
+}  // namespace runcert

@@ -115,8 +115,12 @@ void make_day_results(const Day& day, const std::vector<AttemptOutcome>& outcome
     StepRecord now{.programs = {{"runcert-day", digest_file(program).sha256}},
                    .settings = Json::object(),
                    .inputs = {{"list", sha256_hex(list)}}};
-    RunRecord record = recalled_record(out);
-    const StepRecord& before = record.steps[results_step];
+    const auto hash_of = [&out](const char* name) {
+        const fs::path file = out / name;
+        return fs::is_regular_file(fs::symlink_status(file)) ? digest_file(file).sha256 : "";
+    };
+    const std::string earlier = hash_of(day_files.front());
+    const StepRecord before = recalled_record(earlier)[results_step];
     if (what_changed(before, now).empty() && are_as_written(out, before.outputs)) return;
     for (const std::string name : day_files) {
         const auto known = before.outputs.find(name);
@@ -135,9 +139,8 @@ void make_day_results(const Day& day, const std::vector<AttemptOutcome>& outcome
         throw Failure(failure.where, failure.problem, failure.remedy);
     }
     for (const char* name : day_files)
-        now.outputs[name] = digest_file(out / name).sha256;
-    record.steps[results_step] = std::move(now);
-    remember_record(out, record);
+        now.outputs[name] = hash_of(name);
+    remember_record(now.outputs[day_files.front()], {{results_step, now}}, earlier);
 }
 
 }  // namespace runcert

@@ -73,27 +73,20 @@ class Maker {
   public:
     Maker(const RunOrder& order, const MakerOptions& options, const MakerWatch& watch,
           const std::stop_token& stop)
-        : order_(order),
-          options_(options),
-          watch_(watch),
-          stop_(stop),
-          record_(recalled_record(order.run_dir)) {}
+        : order_(order), options_(options), watch_(watch), stop_(stop) {}
 
     RunState update() {
         try {
             look();
             if (all_stay())
                 for (const StepReport& step : state_.steps)
-                    watch_.ends(step, record_.steps.at(step.step), order_.run_dir);
+                    watch_.ends(step, record_.at(step.step), order_.run_dir);
             else
                 make();
             state_.complete = true;
-            state_.said = record_.steps.at("check").said;
+            state_.said = record_.at("check").said;
             state_.files = current_;
-            if (record_.failure) {
-                record_.failure.reset();
-                remember_record(order_.run_dir, record_);
-            }
+            remember_failure(order_.run_dir, claim_.files, {});
         } catch (const Interrupted&) {
             state_.interrupted = true;
         } catch (const StageFailed& failed) {
@@ -124,11 +117,10 @@ class Maker {
         }
         if (all_stay()) {
             state_.complete = true;
-            state_.said = record_.steps.at("check").said;
+            state_.said = record_.at("check").said;
             state_.files = current_;
-        } else if (record_.failure &&
-                   (record_.failure->step == step_ || record_.failure->step == publishing)) {
-            state_.failure = record_.failure;
+        } else {
+            state_.failure = recalled_failure(order_.run_dir, claim_.files);
         }
         return state_;
     }
@@ -137,6 +129,7 @@ class Maker {
     /// The steps up to the first that cannot stay.
     void look() {
         refuse_link();
+        record_ = recalled_record(published(report_file));
         claim_ = read_claim(order_.attempt);
         for (const Step& one : steps()) {
             step_ = one.name;
@@ -189,8 +182,8 @@ class Maker {
             std::ranges::find(steps(), step, &Step::name) >=
                 std::ranges::find(steps(), options_.from, &Step::name))
             return "--from " + options_.from;
-        const auto known = record_.steps.find(step);
-        if (known == record_.steps.end()) return "not done yet";
+        const auto known = record_.find(step);
+        if (known == record_.end()) return "not done yet";
         now.programs = programs_.get().at(step);
         if (std::string reason = what_changed(known->second, now); !reason.empty()) return reason;
         for (const auto& [name, hash] : known->second.outputs)
@@ -208,7 +201,7 @@ class Maker {
                                 .reason = reason.empty() ? "nothing changed" : reason});
         now_ = std::move(now);
         if (!reason.empty()) return false;
-        const StepRecord& record = record_.steps.at(step);
+        const StepRecord& record = record_.at(step);
         for (const auto& [name, hash] : record.outputs) {
             current_[name] = hash;
             if (staging_) Folder(order_.run_dir).place(name, staging_->folder());
@@ -262,7 +255,7 @@ class Maker {
     /// Failure where the run folder holds files of a run's names that no run put there.
     void require_own_run() const {
         std::vector<std::string> known;
-        for (const auto& [step, record] : record_.steps)
+        for (const auto& [step, record] : record_)
             for (const auto& [name, hash] : record.outputs)
                 known.push_back(name);
         require_a_run(staging_->earlier(), inventory_of(claim_.attempt).files, known);
@@ -288,7 +281,7 @@ class Maker {
         now_.seconds = done.seconds;
         current_.insert(now_.outputs.begin(), now_.outputs.end());
         state_.steps.back().seconds = done.seconds;
-        record_.steps[done.name] = now_;
+        record_[done.name] = now_;
         watch_.ends(state_.steps.back(), now_, staging_->path());
     }
 
@@ -375,8 +368,8 @@ class Maker {
         carry_over(staging_->earlier(), staging_->folder());
         std::vector<StageDone> stages;
         for (const Step& step : steps())
-            if (const auto done = record_.steps.find(step.name);
-                done != record_.steps.end() && is_step_of(step, options_.report))
+            if (const auto done = record_.find(step.name);
+                done != record_.end() && is_step_of(step, options_.report))
                 stages.push_back({.name = step.name,
                                   .said = done->second.said,
                                   .seconds = done->second.seconds});
@@ -385,8 +378,7 @@ class Maker {
         if (early_ && time_is_limited()) put_whole_into(staging_->path());
         require_time();
         staging_->publish();
-        record_.failure.reset();
-        remember_record(order_.run_dir, record_);
+        remember_record(current_.at(report_file), record_, published(report_file));
         watch_.published();
         if (early_) put_whole_into(order_.run_dir);
     }
@@ -394,18 +386,16 @@ class Maker {
     void put_whole_into(const fs::path& folder) {
         step_ = "render";
         if (!early_->put_whole_into(folder)) return;
-        FileHashes& outputs = record_.steps.at("render").outputs;
+        FileHashes& outputs = record_.at("render").outputs;
         outputs["report.pdf"] = current_["report.pdf"] = digest_file(folder / "report.pdf").sha256;
-        if (folder == order_.run_dir) remember_record(order_.run_dir, record_);
+        if (folder == order_.run_dir) remember_record(current_.at(report_file), record_);
     }
 
     void fail(RunFailure failure) {
         for (std::string* text : {&failure.problem, &failure.where})
             if (staging_) replace_all(*text, staging_->path().string(), order_.run_dir.string());
-        state_.failure = record_.failure = std::move(failure);
-        early_.reset();
-        staging_.reset();
-        remember_record(order_.run_dir, record_);
+        state_.failure = std::move(failure);
+        remember_failure(order_.run_dir, claim_.files, state_.failure);
     }
 
     const RunOrder& order_;

@@ -19,6 +19,17 @@ namespace fs = std::filesystem;
 
 constexpr const char* form = "runcert-made/1";
 
+std::string text_of(const Json& json) {
+    return json.dump(1, ' ', false, Json::error_handler_t::replace);
+}
+
+/// What a failure is remembered by.
+std::string failure_of(const fs::path& run_dir) {
+    std::error_code error;
+    const fs::path real = fs::weakly_canonical(fs::absolute(run_dir, error), error);
+    return "failure " + real.string();
+}
+
 Json json_of(const StepRecord& step) {
     return {{"programs", step.programs}, {"settings", *step.settings}, {"inputs", step.inputs},
             {"outputs", step.outputs},   {"said", step.said},          {"seconds", step.seconds}};
@@ -37,36 +48,50 @@ constexpr const char* not_installed = "none";
 
 }  // namespace
 
-RunRecord recalled_record(const fs::path& run_dir) {
+RunRecord recalled_record(const std::string& sha256) {
+    if (sha256.empty()) return {};
     try {
-        const Json json = Json::parse(recalled(run_dir));
+        const Json json = Json::parse(recalled("run " + sha256));
         RunRecord record;
-        if (json.at("form") != form) return record;
+        if (json.at("form") != form) return {};
         for (const auto& [name, step] : json.at("steps").items())
-            record.steps[name] = step_of(step);
-        if (json.contains("failure")) {
-            const Json& failure = json.at("failure");
-            record.failure = RunFailure{.step = failure.at("step"),
-                                        .problem = failure.at("problem"),
-                                        .where = failure.at("where"),
-                                        .remedy = failure.at("remedy")};
-        }
+            record[name] = step_of(step);
         return record;
     } catch (const Json::exception&) {
         return {};
     }
 }
 
-void remember_record(const fs::path& run_dir, const RunRecord& record) {
+void remember_record(const std::string& sha256, const RunRecord& record,
+                     const std::string& before) {
+    if (!before.empty() && before != sha256) remember("run " + before, {});
     Json json{{"form", form}, {"steps", Json::object()}};
-    for (const auto& [name, step] : record.steps)
+    for (const auto& [name, step] : record)
         json["steps"][name] = json_of(step);
-    if (record.failure)
-        json["failure"] = {{"step", record.failure->step},
-                           {"problem", record.failure->problem},
-                           {"where", record.failure->where},
-                           {"remedy", record.failure->remedy}};
-    remember(run_dir, json.dump(1, ' ', false, Json::error_handler_t::replace));
+    remember("run " + sha256, text_of(json));
+}
+
+std::optional<RunFailure> recalled_failure(const fs::path& run_dir, const FileHashes& claim) {
+    try {
+        const Json json = Json::parse(recalled(failure_of(run_dir)));
+        if (json.at("claim").get<FileHashes>() != claim) return std::nullopt;
+        return RunFailure{.step = json.at("step"),
+                          .problem = json.at("problem"),
+                          .where = json.at("where"),
+                          .remedy = json.at("remedy")};
+    } catch (const Json::exception&) {
+        return std::nullopt;
+    }
+}
+
+void remember_failure(const fs::path& run_dir, const FileHashes& claim,
+                      const std::optional<RunFailure>& failure) {
+    remember(failure_of(run_dir), failure ? text_of({{"claim", claim},
+                                                     {"step", failure->step},
+                                                     {"problem", failure->problem},
+                                                     {"where", failure->where},
+                                                     {"remedy", failure->remedy}})
+                                          : "");
 }
 
 namespace {

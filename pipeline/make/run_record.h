@@ -43,16 +43,23 @@ struct RunFailure {
     bool operator==(const RunFailure&) const = default;
 };
 
-/// What is known of a folder's steps, beside the files themselves: a cache in the user's state
-/// folder (user_state.h), without which all are done again.
-struct RunRecord {
-    std::map<std::string, StepRecord> steps{};
-    std::optional<RunFailure> failure{};  ///< of the last call
-};
+/// What is known of a run's steps by name, beside its files: a cache in the user's state folder
+/// (user_state.h), without which all are done again.
+using RunRecord = std::map<std::string, StepRecord>;
 
-/// What is remembered of a run folder; empty where there is nothing that can be read.
-RunRecord recalled_record(const std::filesystem::path& run_dir);
-void remember_record(const std::filesystem::path& run_dir, const RunRecord& record);
+/// What is remembered of the run that has a file with that SHA-256, its report or a day's results,
+/// wherever its folder is now; empty where there is nothing.
+RunRecord recalled_record(const std::string& sha256);
+/// Remembers it in place of that of the file before.
+void remember_record(const std::string& sha256, const RunRecord& record,
+                     const std::string& before = {});
+
+/// Why the last call could not make the run of a folder from an attempt and what it names; nothing
+/// where it could, or where these were others.
+std::optional<RunFailure> recalled_failure(const std::filesystem::path& run_dir,
+                                           const FileHashes& claim);
+void remember_failure(const std::filesystem::path& run_dir, const FileHashes& claim,
+                      const std::optional<RunFailure>& failure);
 
 /// A step's program says a few lines. One that says more than so many bytes is ended before it
 /// fills the memory.

@@ -49,12 +49,9 @@ std::optional<fs::path> folder_of_memory() {
     return *state / "made";
 }
 
-/// The file of what is remembered about a folder.
-fs::path memory_file(const fs::path& memory, const fs::path& folder) {
+fs::path memory_file(const fs::path& memory, std::string_view of) {
     constexpr std::size_t digits = 32;
-    std::error_code error;
-    const fs::path real = fs::weakly_canonical(folder, error);
-    return memory / (sha256_hex((error ? folder : real).string()).substr(0, digits) + ".json");
+    return memory / (sha256_hex(of).substr(0, digits) + ".json");
 }
 
 }  // namespace
@@ -82,20 +79,25 @@ std::string missing_state() {
     return {};
 }
 
-std::string recalled(const fs::path& folder) {
+std::string recalled(std::string_view of) {
     const auto memory = folder_of_memory();
     if (!memory || !is_ours_alone(*memory)) return {};
     try {
-        return read_file(memory_file(*memory, folder));
+        return read_file(memory_file(*memory, of));
     } catch (const Failure&) {
         return {};
     }
 }
 
-void remember(const fs::path& folder, std::string_view text) {
+void remember(std::string_view of, std::string_view text) {
     if (!missing_state().empty()) return;
+    const fs::path file = memory_file(*folder_of_memory(), of);
+    std::error_code ignored;
     try {
-        write_file_unsynced(memory_file(*folder_of_memory(), folder), text);
+        if (text.empty())
+            fs::remove(file, ignored);
+        else
+            write_file_unsynced(file, text);
     } catch (const Failure&) {
         // On a full disk: the next call makes the run again.
     }

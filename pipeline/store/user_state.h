@@ -19,14 +19,13 @@ std::optional<std::filesystem::path> state_folder();
 /// there, or it cannot be made.
 std::string missing_state();
 
-/// What `remember` kept about a folder, wherever that is now reached from; empty where there is
-/// nothing, or where others could have written it. It is a cache: nothing depends on its being
-/// there.
-std::string recalled(const std::filesystem::path& folder);
+/// What `remember` kept of that ("report 0123..."); empty where there is nothing, or where others
+/// could have written it. It is a cache: no answer depends on its being there.
+std::string recalled(std::string_view of);
 
-/// Keeps a text about a folder for the next calls, in place of an earlier one. Where it cannot be
-/// kept, nothing happens.
-void remember(const std::filesystem::path& folder, std::string_view text);
+/// Keeps a text for the next calls, in place of an earlier one; an empty one is forgotten. Where it
+/// cannot be kept, nothing happens.
+void remember(std::string_view of, std::string_view text);
 
 /// ".runcert-WHAT-PROCESS-RANDOM": a name that nobody has given before, for a temporary file or
 /// folder. Names that begin so are this program's own: what has one, is the user's and is locked by

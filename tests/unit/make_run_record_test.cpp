@@ -1,51 +1,56 @@
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "make/run_record.h"
 #include "store/process.h"
+#include "store/user_state.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {
 
-/// What is read of a record that published these, written as the program writes one.
-std::vector<std::string> published(const std::vector<std::string>& names) {
-    const TemporaryFolder folder;
-    const RecordKey key;
-    const RecordPlace place{.file = folder.path() / "record.json", .of = "run one", .key = key};
-    RunRecord record;
-    record.published = names;
-    write_run_record(place, record);
-    return read_run_record(place).published;
+StepRecord a_step() {
+    StepRecord step;
+    step.programs = {{"runcert-smooth", "12"}};
+    step.settings = nlohmann::ordered_json{{"seed", 1}};
+    step.inputs = {{"a", "34"}};
+    step.outputs = {{"b", "56"}};
+    step.said = {"a line"};
+    step.seconds = 0.5;
+    return step;
 }
 
-TEST(RunRecord, AnotherKeysOrAnotherRunsRecordSaysNothing) {
-    const TemporaryFolder folder;
-    const RecordKey own;
-    const RecordKey other;
-    const std::filesystem::path file = folder.path() / "record.json";
-    RunRecord record;
-    record.published = {"report.json"};
-    write_run_record({.file = file, .of = "run one", .key = own}, record);
-    EXPECT_FALSE(read_run_record({.file = file, .of = "run one", .key = own}).foreign);
-    for (const RecordPlace& place : {RecordPlace{.file = file, .of = "run one", .key = other},
-                                     RecordPlace{.file = file, .of = "run two", .key = own}}) {
-        const RunRecord read = read_run_record(place);
-        EXPECT_TRUE(read.foreign);
-        EXPECT_TRUE(read.published.empty());
+TEST(RunRecord, IsReadAsItWasWrittenUnderItsFileAlone) {
+    remember_record("one", {{"smooth", a_step()}});
+    const RunRecord read = recalled_record("one");
+    ASSERT_TRUE(read.contains("smooth"));
+    EXPECT_EQ(what_changed(read.at("smooth"), a_step()), "");
+    EXPECT_EQ(read.at("smooth").outputs, a_step().outputs);
+    EXPECT_EQ(read.at("smooth").said, a_step().said);
+    EXPECT_TRUE(recalled_record("two").empty());
+    EXPECT_TRUE(recalled_record("").empty());
+    remember_record("two", read, "one");
+    EXPECT_TRUE(recalled_record("one").empty()) << "its file was replaced";
+    EXPECT_FALSE(recalled_record("two").empty());
+}
+
+TEST(RunRecord, ThatIsBrokenIsNone) {
+    for (const char* text : {"", "{", "[]", "{\"form\": \"other\", \"steps\": {}}",
+                             "{\"form\": \"runcert-made/1\", \"steps\": {\"smooth\": 1}}"}) {
+        remember("run broken", text);
+        EXPECT_TRUE(recalled_record("broken").empty()) << text;
     }
-    const std::filesystem::path none = folder.path() / "none.json";
-    EXPECT_FALSE(read_run_record({.file = none, .of = "run one", .key = own}).foreign);
 }
 
-// What a record says was published is deleted one day.
-TEST(RunRecord, NamesOnlyFilesThatABatchMakes) {
-    const std::vector<std::string> names{"4-trajectory.ecsv",     "1-observations.secondary.ecsv",
-                                         "attempt.yaml",          "profile.nalsa.yaml",
-                                         "recording.primary.pos", "report.json",
-                                         "report.json.minisig",   "report.pdf"};
-    EXPECT_EQ(published(names), names);
-    for (const char* name : {"..", ".", "", "notes.txt", "a/report.json", "/etc/passwd",
-                             "../report.json", "recording.", "day.yaml", ".runcert"})
-        EXPECT_TRUE(published({"report.json", name}).empty()) << name;
+TEST(RunRecord, AFailureIsOfTheAttemptThatFailed) {
+    const TemporaryFolder folder;
+    const RunFailure failure{.step = "smooth", .problem = "p", .where = "w", .remedy = "r"};
+    remember_failure(folder.path(), {{"attempt.yaml", "1"}}, failure);
+    EXPECT_EQ(recalled_failure(folder.path(), {{"attempt.yaml", "1"}}), failure);
+    EXPECT_EQ(recalled_failure(folder.path(), {{"attempt.yaml", "2"}}), std::nullopt);
+    EXPECT_EQ(recalled_failure(folder.path() / "b", {{"attempt.yaml", "1"}}), std::nullopt);
+    remember_failure(folder.path(), {}, {});
+    EXPECT_EQ(recalled_failure(folder.path(), {{"attempt.yaml", "1"}}), std::nullopt);
 }
 
 }  // namespace

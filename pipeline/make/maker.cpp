@@ -254,7 +254,7 @@ class Maker {
 
     /// Failure where the run folder holds files of a run's names that no run put there.
     void require_own_run() const {
-        std::vector<std::string> known;
+        std::vector<std::string> known = half_placed(order_.run_dir);
         for (const auto& [step, record] : record_)
             for (const auto& [name, hash] : record.outputs)
                 known.push_back(name);

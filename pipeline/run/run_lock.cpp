@@ -38,7 +38,7 @@ void remove_half_written(const Folder& folder, bool is_run) {
             const EntryKind kind = folder.kind_of(name);
             if (kind == EntryKind::folder && (!is_run || is_run_subfolder(name)))
                 remove_half_written(folder.open(name), false);
-            else if (kind == EntryKind::file && name.ends_with(".tmp") && is_own_name(folder, name))
+            else if (kind == EntryKind::file && name.ends_with(".tmp") && is_own_name(name))
                 folder.remove(name);
         }
     } catch (const Failure&) {

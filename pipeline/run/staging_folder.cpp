@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/failure.h"
+#include "core/text.h"
 #include "store/atomic_file.h"
 #include "store/user_state.h"
 
@@ -107,17 +108,30 @@ void place_all(const Folder& from, const Folder& to) {
             from.place(name, to);
 }
 
+/// What is remembered of a run folder while files are put in place there.
+std::string placing(const fs::path& run_dir) {
+    std::error_code error;
+    const fs::path real = fs::weakly_canonical(fs::absolute(run_dir, error), error);
+    return "placing in " + real.string();
+}
+
 /// Gives a run folder the contents of another one, file by file. Whatever of the user's is to stay
 /// is in that one.
 void put_in_place(const Folder& made, const Folder& run) {
-    run.remove(report_name);
+    std::string names;
+    for (const Folder* folder : {&made, &run})
+        for (const std::string& name : folder->names())
+            names += name + "\n";
+    remember(placing(run.path()), names);
     if (made.kind_of("superseded") == EntryKind::folder)
         place_all(made.open("superseded"), run.make("superseded"));
+    run.remove(report_name);
     for (const std::string& name : run.names())
         if (made.kind_of(name) == EntryKind::none && run.kind_of(name) != EntryKind::folder)
             run.remove(name);
     place_all(made, run);
     run.sync();
+    remember(placing(run.path()), {});
 }
 
 struct NamedIn {
@@ -138,10 +152,14 @@ NamedIn named_in(const fs::path& run_dir) {
 
 }  // namespace
 
+std::vector<std::string> half_placed(const fs::path& run_dir) {
+    return lines_of(recalled(placing(run_dir)));
+}
+
 void clear_abandoned(const Folder& folder) {
     try {
         for (const std::string& name : folder.names())
-            if (is_own_name(folder, name) && folder.kind_of(name) == EntryKind::folder)
+            if (is_own_name(name) && folder.kind_of(name) == EntryKind::folder)
                 remove_unless_locked(folder, name);
     } catch (const Failure&) {
         // A folder that may not be listed: what was left there stays.

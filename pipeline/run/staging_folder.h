@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "run/run_lock.h"
 #include "store/folder.h"
@@ -62,6 +63,10 @@ class StagingFolder {
     FileDescriptor own_lock_;
     std::optional<Folder> staged_;  ///< the programs of the stages lock it
 };
+
+/// The names of the files of a run that a killed program was putting in place one by one, as far as
+/// this user's state says so.
+std::vector<std::string> half_placed(const std::filesystem::path& run_dir);
 
 /// Removes the staging folders that killed programs of this user left in a folder and at which none
 /// is at work.

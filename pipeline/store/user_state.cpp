@@ -54,6 +54,34 @@ fs::path memory_file(const fs::path& memory, std::string_view of) {
     return memory / (sha256_hex(of).substr(0, digits) + ".json");
 }
 
+std::string random_text() {
+    std::uint64_t random = 0;
+    if (getrandom(&random, sizeof random, 0) != sizeof random)
+        fail_of_system("/dev/urandom", "cannot draw a random name", errno);
+    return fmt::format("{:016x}", random);
+}
+
+/// The secret that is kept, or the one given, which is kept then. Not written as other files are:
+/// their names need this very secret.
+std::string kept_secret(const std::string& fresh) {
+    if (!missing_state().empty()) return fresh;
+    const std::string file = (*folder_of_memory() / "names").string();
+    const FileDescriptor made(open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600));
+    if (made.is_open()) return write(made.number(), fresh.data(), fresh.size()) < 0 ? "" : fresh;
+    try {
+        const std::string kept = read_file(file);
+        return kept.size() == fresh.size() ? kept : fresh;
+    } catch (const Failure&) {
+        return fresh;
+    }
+}
+
+std::string proof_of(std::string_view stem) {
+    constexpr std::size_t digits = 16;
+    static const std::string secret = kept_secret(random_text() + random_text());
+    return sha256_hex(fmt::format("{} {}", secret, stem)).substr(0, digits);
+}
+
 }  // namespace
 
 std::optional<fs::path> state_folder() {
@@ -103,18 +131,16 @@ void remember(std::string_view of, std::string_view text) {
     }
 }
 
-std::string own_name(std::string_view what) {
-    std::uint64_t random = 0;
-    if (getrandom(&random, sizeof random, 0) != sizeof random)
-        fail_of_system("/dev/urandom", "cannot draw a random name", errno);
-    return fmt::format("{}{}{}{}-{:016x}", begin, what, what.empty() ? "" : "-", getpid(), random);
+std::string own_name() {
+    const std::string stem = fmt::format("{}{}-{}", begin, getpid(), random_text());
+    return fmt::format("{}-{}", stem, proof_of(stem));
 }
 
-bool is_own_name(const Folder& folder, const std::string& name) {
-    struct stat facts {};
-    return name.starts_with(begin) &&
-           fstatat(folder.number(), name.c_str(), &facts, AT_SYMLINK_NOFOLLOW) == 0 &&
-           facts.st_uid == geteuid();
+bool is_own_name(std::string_view name) {
+    if (!name.starts_with(begin)) return false;
+    name = name.substr(0, name.find('.', begin.size()));
+    const std::size_t dash = name.rfind('-');
+    return dash >= begin.size() && name.substr(dash + 1) == proof_of(name.substr(0, dash));
 }
 
 }  // namespace runcert

@@ -9,8 +9,6 @@
 /// what they left behind.
 namespace runcert {
 
-class Folder;
-
 /// The folder of this user's state: $XDG_STATE_HOME/runcert, else ~/.local/state/runcert. Nothing
 /// where the user has no home.
 std::optional<std::filesystem::path> state_folder();
@@ -27,12 +25,13 @@ std::string recalled(std::string_view of);
 /// cannot be kept, nothing happens.
 void remember(std::string_view of, std::string_view text);
 
-/// ".runcert-WHAT-PROCESS-RANDOM": a name that nobody has given before, for a temporary file or
-/// folder. Names that begin so are this program's own: what has one, is the user's and is locked by
-/// nobody, is removed by the user's next call there. `what` may be empty.
-std::string own_name(std::string_view what = {});
+/// ".runcert-PROCESS-RANDOM-PROOF": a name that nobody has given before, for a temporary file or
+/// folder that the user's next call removes where this one is killed. A name alone proves nothing,
+/// since anyone can give it: the end depends on a secret in the state folder. Where none can be
+/// kept, it holds for this process alone.
+std::string own_name();
 
-/// Whether an entry has such a name, whatever its ending, and this user is its owner.
-bool is_own_name(const Folder& folder, const std::string& name);
+/// Whether a program of this user gave that name, whatever its ending (".tmp").
+bool is_own_name(std::string_view name);
 
 }  // namespace runcert

@@ -52,29 +52,25 @@ class AttacksOnFolders : public SignedRuns {
     }
 };
 
-// Got through: every file of the folder was deleted.
-TEST_F(AttacksOnFolders, Files01AHiddenEmptyRunThatIsReadyDeletesNothing) {
+// Got through: every file of the folder was deleted, or another's run put in this one's place.
+TEST_F(AttacksOnFolders, Files01ARunThatLooksReadyIsTheUsersFolder) {
     put("letter.txt");
-    fs::create_directories(run() / ".runcert-ready/run");
-    expect_refused({".runcert-ready", "not what a program of yours left here", "Move it out"});
-}
-
-// Got through: another's run was put in this one's place.
-TEST_F(AttacksOnFolders, Files02AWholeRunThatSomebodyMadeReadyIsNotPutInPlace) {
-    fs::create_directory(run() / ".runcert-ready");
-    fs::copy(other_run(), run() / ".runcert-ready/run", fs::copy_options::recursive);
-    expect_refused({".runcert-ready"});
-    put(".runcert-ready/record",
-        "00\n"
-        R"({"form":"runcert-ready/1","run_folder":"","folder":"","replaced":{},"seal":"00"})");
-    expect_refused({".runcert-ready"});
+    const std::string report = read_file(run() / "report.json");
+    for (const char* name : {".runcert-ready", ".runcert-4711-0-0123456789abcdef"}) {
+        fs::create_directory(run() / name);
+        fs::copy(other_run(), run() / name / "run", fs::copy_options::recursive);
+        must_certify();
+        EXPECT_EQ(read_file(run() / "report.json"), report);
+        EXPECT_EQ(contents_of(run() / name / "run"), contents_of(other_run()));
+        EXPECT_TRUE(fs::exists(run() / "letter.txt"));
+    }
 }
 
 // Got through: nothing was put in place, but the link was deleted by its name.
-TEST_F(AttacksOnFolders, Files03WhatIsReadyIsAFolderAndNoLinkToOne) {
+TEST_F(AttacksOnFolders, Files03WhatLooksReadyAndIsALinkStays) {
     fs::create_directories(path("elsewhere") / "run");
     fs::create_symlink(path("elsewhere"), run() / ".runcert-ready");
-    EXPECT_EQ(certify_again().exit_status, 2);
+    must_certify(true);
     EXPECT_TRUE(fs::is_symlink(run() / ".runcert-ready"));
     EXPECT_TRUE(fs::exists(path("elsewhere") / "run"));
 }
@@ -269,15 +265,15 @@ class AttacksOnDays : public AttacksOnFolders {
 };
 
 // Got through: what was in a folder of that name was deleted.
-TEST_F(AttacksOnDays, Files18AWorkFolderThatNoBatchMadeIsSetAside) {
-    fs::create_directories(out() / ".runcert/work/salt-lake/thesis");
-    write_file_atomically(out() / ".runcert/work/salt-lake/thesis/1.txt", "mine");
-    write_file_atomically(out() / ".runcert/work/salt-lake.seal", "0000");
-    write_file_atomically(out() / ".runcert-mine.tmp", "mine");
-    const ProcessResult result = batch();
-    EXPECT_EQ(result.exit_status, 0) << result.errors << result.output;
-    EXPECT_EQ(read_file(out() / ".runcert/superseded/salt-lake/thesis/1.txt"), "mine");
-    EXPECT_EQ(read_file(out() / ".runcert-mine.tmp"), "mine");
+TEST_F(AttacksOnDays, Files18WhatNoBatchMadeStays) {
+    for (const char* name : {".runcert/work/salt-lake/thesis/1.txt", ".runcert-mine.tmp",
+                             ".runcert-4711-0-0123456789abcdef/run/1.txt"}) {
+        fs::create_directories((out() / name).parent_path());
+        write_file_atomically(out() / name, "mine");
+        const ProcessResult result = batch();
+        EXPECT_EQ(result.exit_status, 0) << result.errors << result.output;
+        EXPECT_EQ(read_file(out() / name), "mine");
+    }
 }
 
 // Got through: they were overwritten.

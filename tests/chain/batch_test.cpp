@@ -4,6 +4,8 @@
 #include <sys/stat.h>
 
 #include "batch_support.h"
+#include "store/sha256.h"
+#include "store/user_state.h"
 
 namespace runcert::chain::RUNCERT_FILE {
 namespace {
@@ -74,6 +76,11 @@ TEST_F(Batches, AFileThatWasEditedWithItsTimeRestoredIsMadeAgainAlone) {
         edit_unseen(out() / "two" / name);
         const BatchSaid said = again();
         EXPECT_EQ(said.exit_status, 0) << said.errors;
+        EXPECT_EQ(made("two"), first_made("two")) << name;
+        if (name == "report.json") {  // by which a run is known
+            EXPECT_EQ(said.steps_of("two"), all_steps);
+            continue;
+        }
         ASSERT_EQ(said.steps_of("two"), writer_of(name)) << name;
         EXPECT_EQ(said.ran.at("two").begin()->second, name + " is not as it was written");
         EXPECT_EQ(said.steps_run, 1) << name;
@@ -82,7 +89,7 @@ TEST_F(Batches, AFileThatWasEditedWithItsTimeRestoredIsMadeAgainAlone) {
 }
 
 TEST_F(Batches, AFileThatWasRemovedIsMadeAgainAlone) {
-    for (const std::string name : {"recording.spare.pos", "4-trajectory.ecsv", "report.json"}) {
+    for (const std::string name : {"recording.spare.pos", "4-trajectory.ecsv"}) {
         fs::remove(out() / "two" / name);
         const BatchSaid said = again();
         ASSERT_EQ(said.steps_of("two"), writer_of(name)) << name;
@@ -94,32 +101,36 @@ TEST_F(Batches, AFileThatWasRemovedIsMadeAgainAlone) {
     EXPECT_EQ(made("two"), first_made("two"));
 }
 
-TEST_F(Batches, ARecordThatIsNotAsItWasWrittenIsNotTrusted) {
-    const fs::path record = out() / ".runcert/records/one.json";
-    const std::string whole = read_file(record);
+// What is remembered of a run is a cache: damaged, lost or another run's, it changes no file.
+TEST_F(Batches, ARecordThatIsDamagedChangesNothing) {
+    const auto of = [this](const char* id) {
+        return "run " + digest_file(out() / id / "report.json").sha256;
+    };
+    const std::string whole = recalled(of("one"));
     const auto damage = [&](const std::string& from, const std::string& to) {
         std::string text = whole;
         return text.replace(text.find(from), from.size(), to);
     };
     const std::vector<std::string> damaged{
-        "", "{}", whole.substr(0, whole.size() / 2),
-        // A file that a step is said not to write, one that the run is said to have had, and a
-        // step of other settings.
+        "{}", whole.substr(0, whole.size() / 2), std::string(4 << 20, '['), "",
+        // A file that a step is said not to write, and a step of other settings.
         damage("\"3-screened.ecsv\": ", "\"3-screened.ecsw\": "),
-        damage("\"published\": [", "\"published\": [\"../../day/day.yaml\","),
-        damage("selection_samples\": 100", "selection_samples\": 101"),
-        read_file(out() / ".runcert/records/two.json")};
+        damage("selection_samples\": 100", "selection_samples\": 101"), recalled(of("two"))};
     for (const std::string& text : damaged) {
-        std::ofstream(record, std::ios::binary) << text;
+        remember(of("one"), text);
         const BatchSaid said = again();
         EXPECT_EQ(said.exit_status, 0) << said.errors;
-        EXPECT_EQ(said.steps_of("one"), all_steps) << text.substr(0, 40);
+        EXPECT_FALSE(said.steps_of("one").empty()) << text.substr(0, 40);
+        EXPECT_EQ(said.steps_of("two"), "");
         EXPECT_EQ(made("one"), first_made("one"));
-        EXPECT_TRUE(fs::exists(day() / "day.yaml"));
     }
-    fs::remove(record);
-    EXPECT_EQ(again().steps_of("one"), all_steps);
     EXPECT_EQ(again().steps_run, 0);
+}
+
+// A day's folder is moved, or brought to another computer of the same user.
+TEST_F(Batches, WhatWasMadeIsKnownWhereverItIs) {
+    fs::rename(out(), path("elsewhere"));
+    EXPECT_EQ(batch_json(day(), path("elsewhere"), {"--no-render"}).steps_run, 0);
 }
 
 struct DayChange {
@@ -225,12 +236,9 @@ TEST_F(Batches, AReceiverThatIsTakenOutLeavesTheRunFolder) {
     EXPECT_EQ(verified.output.find("spare"), std::string::npos) << verified.output;
 }
 
-TEST_F(Batches, ARunThatCannotBeMadeAgainIsMarkedUntilItCan) {
+TEST_F(Batches, ARunThatCannotBeMadeAgainStandsAsItWas) {
     const std::string before = read_file(day() / "two.yaml");
     const auto made_before = made("two");
-    const fs::path mark = out() / "two" / "NOT_CURRENT.txt";
-    const std::vector<std::string> verify{"verify", (out() / "two").string()};
-    EXPECT_EQ(runcert(verify).output.find("NOT_CURRENT"), std::string::npos);
     // A recording that is gone, an attempt that cannot be read, one that no rule is given for.
     for (const auto& [from, to] : std::vector<std::pair<std::string, std::string>>{
              {"recordings/0003.pos", "recordings/gone.pos"},
@@ -238,23 +246,33 @@ TEST_F(Batches, ARunThatCannotBeMadeAgainIsMarkedUntilItCan) {
              {"profiles: [own.yaml]", "profiles: [no-such-rule]"}}) {
         edit(day() / "two.yaml", from, to);
         EXPECT_EQ(again().exit_status, 2);
-        ASSERT_TRUE(fs::exists(mark)) << to;
-        const std::string text = read_file(mark);
-        EXPECT_NE(text.find("what to do: "), std::string::npos) << text;
-        for (const auto& [name, bytes] : made_before)
-            EXPECT_EQ(made("two")[name], bytes) << name;
-        const ProcessResult verified = runcert(verify);
-        EXPECT_EQ(verified.exit_status, 1);
-        EXPECT_NE(verified.output.find("could not make this run again"), std::string::npos)
-            << verified.output;
-        EXPECT_EQ(again().exit_status, 2);
-        EXPECT_EQ(read_file(mark), text);
-        EXPECT_FALSE(fs::exists(out() / "one" / "NOT_CURRENT.txt"));
+        EXPECT_EQ(made("two"), made_before) << to;
+        EXPECT_NE(read_file(out() / "day.html").find("What could not be processed"),
+                  std::string::npos);
+        const ProcessResult status =
+            runcert({"batch", day().string(), "--out", out().string(), "--no-render", "--status"});
+        EXPECT_EQ(status.exit_status, 1);
+        EXPECT_NE(status.output.find("failed  two"), std::string::npos) << status.output;
         write_file_atomically(day() / "two.yaml", before);
-        EXPECT_EQ(again().exit_status, 0);
-        EXPECT_FALSE(fs::exists(mark));
+        const BatchSaid said = again();
+        EXPECT_EQ(said.exit_status, 0);
+        EXPECT_EQ(said.steps_run, 0);
         EXPECT_EQ(made("two"), made_before);
     }
+}
+
+// Signed or not: of what takes another run's place the user is told, and it is kept.
+TEST_F(Batches, AnotherAttemptOfTheSameIdIsSaidAndTheEarlierKept) {
+    const auto report = first_made("one").at("report.json");
+    const auto recording = first_made("one").at("recording.primary.pos");
+    edit(day() / "day.yaml", "recordings/0001.pos", "recordings/0002.pos");
+    const ProcessResult said =
+        runcert({"batch", day().string(), "--out", out().string(), "--no-render"});
+    EXPECT_EQ(said.exit_status, 0) << said.errors;
+    const std::string kept = "superseded/" + sha256_hex(report).substr(0, 16);
+    EXPECT_NE(said.output.find("the earlier run is in " + kept), std::string::npos) << said.output;
+    EXPECT_EQ(read_file(out() / "one" / kept / "report.json"), report);
+    EXPECT_EQ(read_file(out() / "one" / kept / "recording.primary.pos"), recording);
 }
 
 TEST_F(Batches, ARunWhoseAttemptIsGoneIsNamed) {

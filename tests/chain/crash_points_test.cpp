@@ -82,21 +82,6 @@ class CrashPoints : public SignedRuns {
         return false;
     }
 
-    /// Leaves a run folder in which files were about to be put in place when the program was
-    /// killed.
-    void leave_ready() const {
-        fs::remove_all(run());
-        fs::copy(original(), run(), fs::copy_options::recursive);
-        fs::create_directory(run() / "photos");
-        write_file_atomically(run() / "photos/a.jpg", "a");
-        const ProcessResult result = run_process(
-            under_strace({"-o", "/dev/null", "-P", run().string(), "-e", "trace=unlinkat", "-e",
-                          "signal=none", "-e", "inject=unlinkat:signal=KILL:when=1"},
-                         certify_other()));
-        ASSERT_EQ(result.exit_status, 128 + SIGKILL) << result.output << result.errors;
-        ASSERT_TRUE(fs::exists(run() / ".runcert-ready/run/report.json"));
-    }
-
     /// Kills a command before each of its calls of these names; after the first three, in the daily
     /// set, before every seventh; of removals always before every third. Each time `begin`
     /// makes the run folder first, and `look` sees what is left. How many kills there were.
@@ -170,82 +155,6 @@ TEST_F(CrashPoints, CertifyInPlaceLosesNothing) {
     EXPECT_GE(without_report, draws({.daily = 3, .study = 10}));
 }
 
-// A kill while files are put in place: the new run is whole in .runcert-ready until all are.
-TEST_F(CrashPoints, WhatWasReadyIsPutInPlaceByTheNextCall) {
-    const fs::path ready = run() / ".runcert-ready/run";
-    for (const int part : {0, 1, 2}) {
-        SCOPED_TRACE(part);
-        leave_ready();
-        const auto made = contents_of(ready);
-        if (part > 0) fs::remove(run() / "report.json");
-        int left = static_cast<int>(made.size()) * part / 2;
-        for (const auto& [name, bytes] : made)
-            if (left-- > 0) write_file_atomically(run() / name, bytes);
-        write_file_atomically(run() / "letter.txt", "put there since");
-        // One that fails then, for it is given something else, finishes it too.
-        fs::create_directory(path("bad"));
-        write_file_atomically(path("bad") / "attempt.yaml",
-                              read_file(path("other") / "attempt.yaml"));
-        EXPECT_EQ(certify(path("bad") / "attempt.yaml", run()).exit_status, 2);
-        fs::remove_all(path("bad"));
-        auto now = contents_of(run());
-        EXPECT_EQ(now["letter.txt"], "put there since");
-        EXPECT_EQ(now["photos/a.jpg"], "a");
-        for (const auto& [name, bytes] : made)
-            EXPECT_TRUE(now[name] == bytes) << name;
-        EXPECT_EQ(now.size(), made.size() + 2);
-        expect_nothing_left();
-    }
-}
-
-using AttacksOnWhatIsReady = CrashPoints;
-
-// Got through: whatever was in such a folder was put in place, and all else was deleted. What this
-// user's program really left counts in the one folder where it left it.
-TEST_F(AttacksOnWhatIsReady, Files21WhatWasReadyElsewhereIsNotPutInPlace) {
-    leave_ready();
-    const Words command = certify_other();
-    const fs::path original_place = run();
-    ASSERT_EQ(run_process({"cp", "-a", run().string(), path("copy").string()}).exit_status, 0);
-    fs::remove_all(path("copy") / ".runcert-ready/run");
-    fs::create_directory(path("copy") / ".runcert-ready/run");
-    const auto before = contents_of(path("copy"));
-    Words there = command;
-    *std::ranges::find(there, run().string()) = path("copy").string();
-    const ProcessResult result = run_process(there);
-    EXPECT_EQ(result.exit_status, 2) << result.output;
-    EXPECT_NE(result.errors.find(".runcert-ready"), std::string::npos) << result.errors;
-    EXPECT_EQ(contents_of(path("copy")), before);
-}
-
-// Got through, as Files21.
-TEST_F(AttacksOnWhatIsReady, Files22WhatAnotherUserLeftReadyIsNotPutInPlace) {
-    leave_ready();
-    const auto before = contents_of(run());
-    const ProcessResult result = run_process(
-        certify_other(), {.environment = {{"XDG_STATE_HOME", path("another user").string()}}});
-    EXPECT_EQ(result.exit_status, 2) << result.output;
-    EXPECT_NE(result.errors.find("not what a program of yours left here"), std::string::npos)
-        << result.errors;
-    EXPECT_EQ(contents_of(run()), before);
-    must_do(certify_other());
-    expect_nothing_left();
-}
-
-// Got through: it was overwritten, and what was put beside it deleted.
-TEST_F(AttacksOnWhatIsReady, Files23WhatWasPutInTheWaySinceAKillIsNotReplaced) {
-    leave_ready();
-    write_file_atomically(run() / "4-trajectory.ecsv", "mine");
-    const auto before = contents_of(run());
-    const ProcessResult result = run_process(certify_other());
-    EXPECT_EQ(result.exit_status, 2) << result.output;
-    EXPECT_NE(result.errors.find("4-trajectory.ecsv"), std::string::npos) << result.errors;
-    EXPECT_EQ(contents_of(run()), before);
-    fs::rename(run() / "4-trajectory.ecsv", path("away"));
-    must_do(certify_other());
-    expect_nothing_left();
-}
-
 TEST_F(CrashPoints, SignLosesNoSignatureAndNoStamp) {
     must_sign("measurer", "measurer");
     must_sign("judge", "judge");
@@ -313,9 +222,9 @@ TEST_F(CrashPoints, ARunIsSyncedBeforeItHasItsNameAndTheNameAfter) {
 TEST_F(CrashPoints, ARunIsSyncedBeforeItIsPutInPlaceAndTheFolderAfter) {
     fs::create_directory(run() / "photos");
     const Words calls = calls_of(certify_other());
-    expect_synced(before(calls, "\".runcert-ready\""), run(), "/run");
-    const Words placed = after(before(calls, "\".runcert-done-"), "\"report.json\") = 0");
-    EXPECT_TRUE(has(placed, "fsync(", run().string() + ">"));
+    const std::string removal = run().string() + ">, \"report.json\", 0)";
+    expect_synced(before(calls, removal), run(), "/run");
+    EXPECT_TRUE(has(after(calls, removal), "fsync(", run().string() + ">"));
 }
 
 TEST_F(CrashPoints, EveryRunOfABatchIsSynced) {

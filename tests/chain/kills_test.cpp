@@ -153,7 +153,11 @@ TEST_F(Kills, Files08OfCertifyInPlaceLoseNothing) {
         SCOPED_TRACE(i);
         write_file_atomically(path("other") / "attempt.yaml",
                               fmt::format("{}attempts_made: {}\n", text, 2 + i));
-        kill_once(command, {}, [this] { return fs::exists(run() / ".runcert-ready"); });
+        kill_once(command, {}, [this] {
+            for (const auto& entry : fs::directory_iterator(run()))
+                if (fs::exists(entry.path() / "run/run.yaml")) return true;
+            return false;
+        });
         if (fs::exists(run() / "report.json")) watched.expect_whole();
         watched.expect_evidence();
         watched.note();

@@ -10,7 +10,7 @@
 #include "batch_crash_support.h"
 #include "signatures_support.h"
 #include "store/folder.h"
-#include "store/record_key.h"
+#include "store/user_state.h"
 
 namespace runcert::chain::RUNCERT_FILE {
 namespace {
@@ -272,7 +272,7 @@ TEST_F(RunFolders, Files08WhatAKilledProgramHalfWroteIsRemovedByTheNext) {
     std::vector<fs::path> left;
     for (const fs::path& folder :
          {run(), superseded(read_file(run() / "report.json"), "").parent_path()}) {
-        left.push_back(folder / (own_name(Folder(folder)) + ".tmp"));
+        left.push_back(folder / (own_name() + ".tmp"));
         write_file_atomically(left.back(), "half");
     }
     must_sign("judge", "judge");

@@ -4,7 +4,6 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "store/folder.h"
 #include "store/process.h"
 #include "store/user_state.h"
 
@@ -63,17 +62,17 @@ TEST_F(UserState, WithoutAFolderIsSaidAndNothingFails) {
     EXPECT_NE(state_folder()->string(), "relative/runcert");
 }
 
-TEST_F(UserState, OwnNamesAreNewAndOfTheirOwner) {
-    const Folder folder(folder_.path());
-    const std::string name = own_name("what");
-    EXPECT_NE(name, own_name("what"));
-    EXPECT_FALSE(is_own_name(folder, name)) << "no such entry";
-    (void)folder.make(name);
-    (void)folder.make("another");
-    EXPECT_TRUE(is_own_name(folder, name));
-    EXPECT_FALSE(is_own_name(folder, "another"));
-    if (geteuid() == 0 && chown((folder_.path() / name).c_str(), 65534, 65534) == 0)
-        EXPECT_FALSE(is_own_name(folder, name));
+TEST(OwnNames, AreNewAndCannotBeForged) {
+    const std::string name = own_name();
+    EXPECT_NE(name, own_name());
+    EXPECT_TRUE(is_own_name(name));
+    EXPECT_TRUE(is_own_name(name + ".tmp"));
+    std::string other = name;
+    other.back() = other.back() == '0' ? '1' : '0';
+    for (const std::string& forged :
+         {other, std::string(".runcert-"), std::string(".runcert-notes"), std::string("photos"),
+          std::string(".runcert-4711-0-0123456789abcdef"), name.substr(1), name + "0"})
+        EXPECT_FALSE(is_own_name(forged)) << forged;
 }
 
 }  // namespace

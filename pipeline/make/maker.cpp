@@ -254,11 +254,8 @@ class Maker {
 
     /// Failure where the run folder holds files of a run's names that no run put there.
     void require_own_run() const {
-        std::vector<std::string> known = half_placed(order_.run_dir);
-        for (const auto& [step, record] : record_)
-            for (const auto& [name, hash] : record.outputs)
-                known.push_back(name);
-        require_a_run(staging_->earlier(), inventory_of(claim_.attempt).files, known);
+        require_a_run(staging_->earlier(), inventory_of(claim_.attempt).files,
+                      last_published(order_.run_dir).names);
     }
 
     void begin(const std::string& step) {
@@ -377,8 +374,9 @@ class Maker {
         // Where time may run out, all is there before anything takes the earlier run's place.
         if (early_ && time_is_limited()) put_whole_into(staging_->path());
         require_time();
+        const std::string before = last_published(order_.run_dir).report_sha256;
         staging_->publish();
-        remember_record(current_.at(report_file), record_, published(report_file));
+        remember_record(current_.at(report_file), record_, before);
         watch_.published();
         if (early_) put_whole_into(order_.run_dir);
     }

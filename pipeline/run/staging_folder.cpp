@@ -12,6 +12,7 @@
 #include "core/failure.h"
 #include "core/text.h"
 #include "store/atomic_file.h"
+#include "store/sha256.h"
 #include "store/user_state.h"
 
 namespace runcert {
@@ -108,21 +109,16 @@ void place_all(const Folder& from, const Folder& to) {
             from.place(name, to);
 }
 
-/// What is remembered of a run folder while files are put in place there.
-std::string placing(const fs::path& run_dir) {
+/// By what it is remembered which files are a run's in a folder, also where its report is gone.
+std::string files_in(const fs::path& run_dir) {
     std::error_code error;
     const fs::path real = fs::weakly_canonical(fs::absolute(run_dir, error), error);
-    return "placing in " + real.string();
+    return "files in " + real.string();
 }
 
 /// Gives a run folder the contents of another one, file by file. Whatever of the user's is to stay
 /// is in that one.
 void put_in_place(const Folder& made, const Folder& run) {
-    std::string names;
-    for (const Folder* folder : {&made, &run})
-        for (const std::string& name : folder->names())
-            names += name + "\n";
-    remember(placing(run.path()), names);
     if (made.kind_of("superseded") == EntryKind::folder)
         place_all(made.open("superseded"), run.make("superseded"));
     run.remove(report_name);
@@ -131,7 +127,6 @@ void put_in_place(const Folder& made, const Folder& run) {
             run.remove(name);
     place_all(made, run);
     run.sync();
-    remember(placing(run.path()), {});
 }
 
 struct NamedIn {
@@ -152,8 +147,10 @@ NamedIn named_in(const fs::path& run_dir) {
 
 }  // namespace
 
-std::vector<std::string> half_placed(const fs::path& run_dir) {
-    return lines_of(recalled(placing(run_dir)));
+Published last_published(const fs::path& run_dir) {
+    std::vector<std::string> lines = lines_of(recalled(files_in(run_dir)));
+    if (lines.empty()) return {};
+    return {.report_sha256 = lines.front(), .names = {lines.begin() + 1, lines.end()}};
 }
 
 void clear_abandoned(const Folder& folder) {
@@ -215,6 +212,13 @@ void StagingFolder::publish() {
         throw Failure((parent_.path() / name_).string(),
                       "the run folder was replaced while this run was made",
                       "Find out what else writes there, and run this again");
+    std::string published = staged_->kind_of(report_name) == EntryKind::file
+                                ? sha256_hex(staged_->read(report_name))
+                                : "";
+    for (const Folder* folder : {&*run_, &*staged_})
+        for (const std::string& name : folder->names())
+            published += "\n" + name;
+    remember(files_in(parent_.path() / name_), published);
     // A folder that the user made in it meanwhile has it replaced in place.
     if (!inside_ && may_be_exchanged(*run_, parent_)) {
         take_permissions(*run_, *staged_);

@@ -64,9 +64,13 @@ class StagingFolder {
     std::optional<Folder> staged_;  ///< the programs of the stages lock it
 };
 
-/// The names of the files of a run that a killed program was putting in place one by one, as far as
-/// this user's state says so.
-std::vector<std::string> half_placed(const std::filesystem::path& run_dir);
+/// What this user's last call put into a run folder, or was putting there when it was killed.
+struct Published {
+    std::string report_sha256{};
+    std::vector<std::string> names{};
+};
+/// Empty where that is not known.
+Published last_published(const std::filesystem::path& run_dir);
 
 /// Removes the staging folders that killed programs of this user left in a folder and at which none
 /// is at work.

@@ -14,7 +14,6 @@ bool holds(const std::string& text, const std::string& part) {
 
 class Attacks : public Batches {
   protected:
-    const std::string state_ = std::getenv("XDG_STATE_HOME");
     static constexpr const char* forged_speed = "987.65";
 
     std::string measured_speed() const {
@@ -42,9 +41,9 @@ class Attacks : public Batches {
             replace_all(forged, sha256_hex(first_made("one").at(name)),
                         digest_file(out() / "one" / name).sha256);
         ASSERT_NE(forged, text);
-        setenv("XDG_STATE_HOME", folder.c_str(), 1);
+        use_state(folder);
         remember("run " + digest_file(out() / "one/report.json").sha256, forged);
-        setenv("XDG_STATE_HOME", state_.c_str(), 1);
+        use_state(path("state"));
     }
     void expect_nothing_forged(const BatchSaid& said) const {
         EXPECT_EQ(said.exit_status, 0) << said.errors << said.text;
@@ -88,7 +87,7 @@ TEST_F(Attacks, BatchKeepsNoRunThatAnOpenStateFolderVouchesFor) {
     fs::permissions(open_state / "runcert/made", fs::perms::all);
     setenv("XDG_STATE_HOME", open_state.c_str(), 1);
     const BatchSaid said = again();
-    setenv("XDG_STATE_HOME", state_.c_str(), 1);
+    use_state(path("state"));
     expect_nothing_forged(said);
     EXPECT_TRUE(holds(said.notes, "Others can write in")) << said.notes;
 }
@@ -103,9 +102,9 @@ TEST_F(Attacks, BatchMakesTheDayAgainThatWasForged) {
 }
 
 TEST_F(Attacks, BatchKeepsNoRunOfAnotherUser) {
-    setenv("XDG_STATE_HOME", path("another user").c_str(), 1);
+    use_state(path("another user"));
     const BatchSaid said = again();
-    setenv("XDG_STATE_HOME", state_.c_str(), 1);
+    use_state(path("state"));
     EXPECT_EQ(said.exit_status, 0) << said.errors;
     EXPECT_EQ(said.steps_run, 16);
     for (const char* id : {"one", "two"})

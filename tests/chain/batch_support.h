@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+
 #include "chain_support.h"
 #include "day_support.h"
 
@@ -86,6 +88,7 @@ class Batches : public testing::Test {
   protected:
     static void SetUpTestSuite() {
         shared_ = new TemporaryFolder;
+        setenv("XDG_STATE_HOME", (shared_->path() / "state").c_str(), 1);
         const fs::path day = shared_->path() / "day";
         make_day(day, 3, 110);
         std::ofstream(day / "own.yaml") << rule;
@@ -98,6 +101,13 @@ class Batches : public testing::Test {
     static void TearDownTestSuite() { delete shared_; }
     void SetUp() override {
         fs::copy(shared_->path(), folder_.path(), fs::copy_options::recursive);
+        use_state(path("state"));
+    }
+    /// What the user's programs remember is there from now on.
+    static void use_state(const fs::path& folder) {
+        setenv("XDG_STATE_HOME", folder.c_str(), 1);
+        if (fs::exists(folder / "runcert/made"))
+            fs::permissions(folder / "runcert/made", fs::perms::owner_all);
     }
 
     fs::path day() const { return folder_.path() / "day"; }

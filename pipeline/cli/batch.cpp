@@ -13,6 +13,8 @@
 #include "core/text.h"
 #include "make/maker.h"
 #include "make/slurm.h"
+#include "reports/day/day_writing.h"
+#include "reports/day/page_parts.h"
 #include "reports/diff/day_difference.h"
 #include "reports/document/document_text.h"
 #include "run/chain.h"
@@ -90,6 +92,7 @@ BatchOrder order_of(const BatchOptions& options) {
     order.jobs = options.jobs > 0 ? static_cast<std::size_t>(options.jobs)
                                   : std::max(1U, std::thread::hardware_concurrency());
     order.only = options.only;
+    order.write_day = write_day;
     order.wait = options.wait;
     return order;
 }
@@ -155,6 +158,9 @@ int batch(const BatchOptions& options) {
         options.engine == "slurm"
             ? run_on_cluster(order, task_options(options), split_slurm_args(options.slurm_args))
             : run_batch(order);
+    if (const fs::path day = order.out / "day.yaml";
+        !options.json && !options.quiet && fs::exists(day))
+        fmt::print("{}", ranking_text(read_day_results(read_file(day), day.string())));
     if (!options.compare.empty()) say_difference(options, order.out);
     return status;
 }

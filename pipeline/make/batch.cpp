@@ -59,7 +59,7 @@ struct ResultsWritten {
 ResultsWritten results_written(const BatchOrder& order, const Day& day,
                                const std::vector<AttemptOutcome>& outcomes) {
     try {
-        make_day_results(day, outcomes, order.out);
+        order.write_day(day, outcomes, order.out);
         return {.page = (order.out / "day.html").string()};
     } catch (const Failure& failure) {
         return {.trouble = failure};

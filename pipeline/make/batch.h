@@ -1,10 +1,12 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "make/day_run.h"
 #include "make/maker.h"
 #include "make/progress.h"
 
@@ -26,6 +28,10 @@ struct BatchOrder {
     std::size_t jobs = 1;
     std::vector<std::string> only = {};  ///< patterns of ids; empty for all
     bool wait = false;                   ///< for another batch on the same folder to end
+    /// Writes the day's results into the folder of its runs (reports/day/day_writing.h).
+    std::function<void(const Day& day, const std::vector<AttemptOutcome>& outcomes,
+                       const std::filesystem::path& out)>
+        write_day = {};
 };
 
 /// Certifies the attempts of a day on this computer, and writes its results. The exit status: 0

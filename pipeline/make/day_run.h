@@ -57,9 +57,4 @@ std::vector<RunState> inspect_day(const Day& day, const std::filesystem::path& o
 AttemptOutcome outcome_of(const DayAttempt& attempt, const RunState& state,
                           const std::string& otherwise);
 
-/// Writes the day's results (day.yaml, day.csv, day.html) by runcert-day, unless they are those of
-/// these outcomes already. Failure if they cannot be written.
-void make_day_results(const Day& day, const std::vector<AttemptOutcome>& outcomes,
-                      const std::filesystem::path& out);
-
 }  // namespace runcert

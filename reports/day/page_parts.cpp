@@ -60,24 +60,35 @@ std::string craft_words(const DayCraft& craft) {
                : fmt::format("{}, {}", claimed(craft.name), craft.craft_class);
 }
 
+std::string apart_of(const DayProfile& profile, std::size_t i) {
+    return told_apart_words(profile.ranking[i], next_rank(profile.ranking, i, -1),
+                            next_rank(profile.ranking, i, 1));
+}
+
+/// "1", "2= ≈": shared with another, and not told apart from a neighbour.
+std::string rank_text(const DayProfile& profile, std::size_t i) {
+    const DayPlace& place = profile.ranking[i];
+    if (!place.rank) return "–";
+    return fmt::format("{}{}{}", *place.rank, shares_rank(profile.ranking, i) ? "=" : "",
+                       apart_of(profile, i).empty() ? "" : " ≈");
+}
+
+std::string speed_text(const DayResult& result) {
+    return result.shown ? measured_speed_text(*result.shown) : "–";
+}
+
 void add_place(Block& ranking, const DayProfile& profile, std::size_t i,
                const AttemptResult& attempt) {
-    const DayPlace& place = profile.ranking[i];
     const DayResult& result = *result_by(attempt, profile.profile);
     const OutcomeWords outcome = outcome_words(state_of(result));
-    const std::string apart = told_apart_words(place, next_rank(profile.ranking, i, -1),
-                                               next_rank(profile.ranking, i, 1));
+    const std::string apart = apart_of(profile, i);
     const std::string window = window_words(result);
-    const std::string rank =
-        place.rank ? fmt::format("{}{}{}", *place.rank, shares_rank(profile.ranking, i) ? "=" : "",
-                                 apart.empty() ? "" : " ≈")
-                   : "–";
-    TableRow& row = add_row(
-        ranking,
-        {attempt.id, rank, craft_words(attempt.craft.value_or(DayCraft{})),
-         fmt::format("{} {}", outcome.mark, outcome.title),
-         result.shown ? measured_speed_text(*result.shown) : "–", window.empty() ? "–" : window},
-        outcome.tone);
+    const std::string rank = rank_text(profile, i);
+    TableRow& row = add_row(ranking,
+                            {attempt.id, rank, craft_words(attempt.craft.value_or(DayCraft{})),
+                             fmt::format("{} {}", outcome.mark, outcome.title), speed_text(result),
+                             window.empty() ? "–" : window},
+                            outcome.tone);
     row.link = main_page(attempt);
     row.further = further_of(result, apart);
 }
@@ -280,6 +291,34 @@ RankingPart ranking_part(const DayProfile& profile, const AttemptsById& attempts
     add(section, std::move(ranking));
     part.section = std::move(section);
     return part;
+}
+
+std::string ranking_text(const DayResults& results) {
+    const AttemptsById attempts = attempts_by_id(results);
+    std::string text;
+    for (const DayProfile& profile : results.profiles) {
+        std::vector<std::array<std::string, 4>> rows;
+        std::array<std::size_t, 4> widths{};
+        for (std::size_t i = 0; i < profile.ranking.size(); ++i) {
+            const AttemptResult& attempt = *attempts.at(profile.ranking[i].id);
+            const DayResult& result = *result_by(attempt, profile.profile);
+            rows.push_back({rank_text(profile, i), attempt.id, speed_text(result),
+                            outcome_words(state_of(result)).title});
+            for (std::size_t k = 0; k < widths.size(); ++k)
+                widths[k] = std::max(widths[k], characters_in(rows.back()[k]));
+        }
+        text += fmt::format("\n{}\n", profile.profile);
+        for (const auto& row : rows) {
+            text += " ";
+            for (std::size_t k = 0; k < widths.size(); ++k)
+                text +=
+                    " " + row[k] +
+                    (k + 1 < widths.size() ? std::string(widths[k] - characters_in(row[k]) + 1, ' ')
+                                           : "");
+            text += "\n";
+        }
+    }
+    return text;
 }
 
 }  // namespace runcert

@@ -21,6 +21,9 @@ struct RankingPart {
 RankingPart ranking_part(const DayProfile& profile, const AttemptsById& attempts,
                          const WindowCurves& curves, std::size_t number);
 
+/// The rankings for a terminal: a line for each place (rank, attempt, speed, outcome), none cut.
+std::string ranking_text(const DayResults& results);
+
 /// What the title of a result speaks of.
 OutcomeState state_of(const DayResult& result);
 

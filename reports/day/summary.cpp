@@ -1,3 +1,5 @@
+#include "reports/day/summary.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -6,7 +8,6 @@
 
 #include "core/failure.h"
 #include "core/text.h"
-#include "reports/day/day_list.h"
 #include "schemas/common/product_files.h"
 
 namespace runcert {
@@ -97,41 +98,40 @@ ReportIdentity read_report_identity(std::string_view text, const std::string& wh
     }
 }
 
-AttemptResult summary_of(const ListedAttempt& listed, const Verdict& verdict,
-                         const ReportIdentity& report) {
-    if (verdict.attempt != listed.id)
-        throw Failure(listed.verdict->file,
+AttemptResult summary_of(const DayOutcome& of, const Verdict& verdict,
+                         const std::string& verdict_sha256, const ReportIdentity& report) {
+    const std::string& id = of.attempt.id;
+    if (verdict.attempt != id)
+        throw Failure(id + "/" + std::string(products::verdict_file),
                       fmt::format("the verdict is on the attempt \"{}\", not on \"{}\"",
-                                  escape_for_message(verdict.attempt), listed.id),
+                                  escape_for_message(verdict.attempt), id),
                       again);
-    if (report.attempt != listed.id || report.verdict_sha256 != listed.verdict->sha256)
-        throw Failure(listed.report->file,
-                      fmt::format("the report is not on the verdict {}", listed.verdict->file),
-                      again);
-    AttemptResult attempt{.id = listed.id,
-                          .source = listed.source,
-                          .state = listed.state,
+    if (report.attempt != id || report.verdict_sha256 != verdict_sha256)
+        throw Failure(
+            id + "/report.json",
+            fmt::format("the report is not on the verdict {}/{}", id, products::verdict_file),
+            again);
+    AttemptResult attempt{.id = id,
+                          .source = of.attempt.source,
+                          .state = of.outcome.state,
                           .craft = DayCraft{report.craft_name, report.craft_class},
                           .report_id = report.report_id,
-                          .report = listed.report->file,
-                          .pages = listed.pages,
-                          .notes = listed.notes};
+                          .report = id + "/report.json"};
     for (const ProfileVerdict& profile : verdict.profiles)
         attempt.results.push_back(result_of(profile));
     return attempt;
 }
 
-AttemptResult summary_of(const ListedAttempt& listed) {
-    AttemptResult attempt{.id = listed.id,
-                          .source = listed.source,
-                          .state = listed.state,
-                          .reason = listed.reason,
-                          .notes = listed.notes};
-    if (listed.state == "failed")
-        attempt.failure = DayFailure{.step = listed.step,
-                                     .problem = listed.problem,
-                                     .where = listed.where,
-                                     .remedy = listed.remedy};
+AttemptResult summary_of(const DayOutcome& of) {
+    AttemptResult attempt{.id = of.attempt.id,
+                          .source = of.attempt.source,
+                          .state = of.outcome.state,
+                          .reason = of.outcome.reason};
+    if (const auto& failure = of.outcome.failure)
+        attempt.failure = DayFailure{.step = failure->step,
+                                     .problem = failure->problem,
+                                     .where = failure->where,
+                                     .remedy = failure->remedy};
     return attempt;
 }
 

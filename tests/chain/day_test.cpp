@@ -8,6 +8,9 @@
 #include "chain_support.h"
 #include "core/failure.h"
 #include "core/random.h"
+#include "day_outcomes.h"
+#include "reports/day/day_writing.h"
+#include "reports/day/page_parts.h"
 #include "reports/diff/day_difference.h"
 #include "reports/diff/run_difference.h"
 #include "reports/document/document_text.h"
@@ -62,30 +65,9 @@ class Day : public testing::Test {
         if (result.exit_status == 2) ADD_FAILURE() << id << result.errors;
     }
 
-    static Json file_json(const std::string& day, const std::string& file) {
-        const FileDigest digest = digest_file(out(day) / file);
-        return {{"file", file}, {"sha256", digest.sha256}, {"bytes", digest.bytes}};
-    }
-    static Json done_json(const std::string& day, const std::string& id) {
-        return {{"id", id},
-                {"source", "lake.yaml:3"},
-                {"state", "done"},
-                {"verdict", file_json(day, id + "/6-verdict.yaml")},
-                {"report", file_json(day, id + "/report.json")},
-                {"pages", Json::array()},
-                {"notes", Json::array()}};
-    }
-    static Json list_json(const std::string& day, const std::vector<std::string>& ids) {
-        Json list{{"day", "lake-day"}, {"attempts", Json::array()}, {"notes", Json::array()}};
-        for (const std::string& id : ids)
-            list["attempts"].push_back(done_json(day, id));
-        return list;
-    }
-    static ProcessResult run_day(const std::string& day, const Json& list) {
-        const fs::path file = folder_->path() / "list.json";
-        write_file_atomically(file, list.dump());
-        return run_process(
-            {RUNCERT_PROGRAMS "/runcert-day", "--out", out(day).string(), "--list", file.string()});
+    static void run_day(const std::string& day, const std::vector<std::string>& ids) {
+        const MadeDay made = made_day(out(day), ids);
+        write_day(made.day, made.outcomes, out(day));
     }
     static std::string results_of(const std::string& day) {
         std::string all;
@@ -102,8 +84,7 @@ const std::vector<std::string> all_ids{"land-yacht", "rejected", "salt-lake", "s
                                        "other-rule"};
 
 TEST_F(Day, HoldsWhatTheVerdictsSay) {
-    const ProcessResult result = run_day("old", list_json("old", all_ids));
-    ASSERT_EQ(result.exit_status, 0) << result.errors;
+    run_day("old", all_ids);
     const YamlValue day = read_yaml(out("old") / "day.yaml");
     EXPECT_EQ(day["day"].text(), "lake-day");
     EXPECT_EQ(day["stage"]["name"].text(), "day");
@@ -134,33 +115,56 @@ TEST_F(Day, HoldsWhatTheVerdictsSay) {
 }
 
 TEST_F(Day, TheSameRunsGiveTheSameBytesWhateverWasThereBefore) {
-    const Json list = list_json("old", all_ids);
-    ASSERT_EQ(run_day("old", list).exit_status, 0);
+    run_day("old", all_ids);
     const std::string first = results_of("old");
-    ASSERT_EQ(run_day("old", list_json("old", {"rejected"})).exit_status, 0);
+    run_day("old", {"rejected"});
     EXPECT_NE(results_of("old"), first);
-    ASSERT_EQ(run_day("old", list).exit_status, 0);
+    run_day("old", all_ids);
     EXPECT_EQ(results_of("old"), first);
     EXPECT_EQ(first.find(folder_->path().string()), std::string::npos);
 }
 
-TEST_F(Day, AFileThatIsNotTheListedOneIsRefusedByName) {
-    Json list = list_json("old", {"rejected", "salt-lake"});
-    list["attempts"][1]["verdict"]["sha256"] = std::string(64, '0');
-    const ProcessResult hash = run_day("old", list);
-    EXPECT_EQ(hash.exit_status, 2);
-    EXPECT_NE(hash.errors.find("salt-lake/6-verdict.yaml"), std::string::npos) << hash.errors;
-    // The report of another attempt, rightly hashed.
-    list = list_json("old", {"rejected", "salt-lake"});
-    list["attempts"][1]["report"] = list["attempts"][0]["report"];
-    EXPECT_EQ(run_day("old", list).exit_status, 2);
-    list = list_json("old", {"rejected"});
-    list["attempts"][0]["report"]["file"] = "gone/report.json";
-    EXPECT_EQ(run_day("old", list).exit_status, 2);
+TEST_F(Day, AFileThatIsNotAsItsRunWroteItIsRefusedByName) {
+    const auto problem_of = [](const MadeDay& made) -> std::string {
+        try {
+            write_day(made.day, made.outcomes, out("old"));
+        } catch (const Failure& failure) {
+            return failure.where() + ": " + failure.problem();
+        }
+        return {};
+    };
+    MadeDay made = made_day(out("old"), {"rejected", "salt-lake"});
+    made.outcomes[1].files["6-verdict.yaml"] = std::string(64, '0');
+    EXPECT_NE(problem_of(made).find("salt-lake/6-verdict.yaml"), std::string::npos);
+    // The run of another attempt, rightly hashed.
+    fs::copy(out("old") / "rejected", out("old") / "another");
+    made = made_day(out("old"), {"another"});
+    EXPECT_NE(problem_of(made).find("another/6-verdict.yaml"), std::string::npos);
+    fs::copy_file(out("old") / "salt-lake/report.json", out("old") / "another/report.json",
+                  fs::copy_options::overwrite_existing);
+    made = made_day(out("old"), {"another"});
+    made.day.attempts[0].id = "rejected";
+    made.outcomes[0] = {.state = "done"};
+    fs::rename(out("old") / "rejected/report.json", out("old") / "kept");
+    EXPECT_NE(problem_of(made).find("rejected/report.json"), std::string::npos);
+    fs::rename(out("old") / "kept", out("old") / "rejected/report.json");
+    fs::remove_all(out("old") / "another");
+}
+
+// What a day made for a screen has, each attempt has a line of, whole.
+TEST_F(Day, TheRankingStandsOnATerminalALineAnAttempt) {
+    const MadeDay made = made_day(out("old"), all_ids);
+    WindowCurves curves;
+    const std::string text =
+        ranking_text(results_of_day(made.day, made.outcomes, {}, out("old"), curves));
+    for (const std::string& id : all_ids)
+        EXPECT_TRUE(std::regex_search(
+            text, std::regex("\n  (–|[1-9]=?( ≈)?) +" + id + " +[0-9.]+ km/h[^\n]* [A-Z]?[a-z]")))
+            << id << text;
 }
 
 TEST_F(Day, ComparedWithItselfNothingChanged) {
-    ASSERT_EQ(run_day("old", list_json("old", all_ids)).exit_status, 0);
+    run_day("old", all_ids);
     const DayComparison same = compare_days(out("old"), out("old"));
     EXPECT_TRUE(same.equal());
     EXPECT_EQ(same.unchanged, 5);
@@ -169,8 +173,8 @@ TEST_F(Day, ComparedWithItselfNothingChanged) {
 }
 
 TEST_F(Day, ChangesAreNamedWithTheirCauses) {
-    ASSERT_EQ(run_day("old", list_json("old", all_ids)).exit_status, 0);
-    ASSERT_EQ(run_day("new", list_json("new", all_ids)).exit_status, 0);
+    run_day("old", all_ids);
+    run_day("new", all_ids);
     const DayComparison found = compare_days(out("old"), out("new"));
     EXPECT_EQ(found.in_both, 5);
     ASSERT_FALSE(found.causes.empty());
@@ -203,8 +207,8 @@ TEST_F(Day, ChangesAreNamedWithTheirCauses) {
 }
 
 TEST_F(Day, IsToldToMachinesWhole) {
-    ASSERT_EQ(run_day("old", list_json("old", all_ids)).exit_status, 0);
-    ASSERT_EQ(run_day("new", list_json("new", all_ids)).exit_status, 0);
+    run_day("old", all_ids);
+    run_day("new", all_ids);
     const DayComparison found = compare_days(out("old"), out("new"));
     const Json told = comparison_json(found);
     EXPECT_EQ(told["results"].size(), found.results.size());
@@ -212,9 +216,9 @@ TEST_F(Day, IsToldToMachinesWhole) {
 }
 
 TEST_F(Day, OfNoAttemptIsADayToo) {
-    ASSERT_EQ(run_day("empty", list_json("empty", {})).exit_status, 2);  // there is no such folder
+    EXPECT_THROW(run_day("empty", {}), Failure);  // there is no such folder
     fs::create_directory(out("empty"));
-    ASSERT_EQ(run_day("empty", list_json("empty", {})).exit_status, 0);
+    run_day("empty", {});
     EXPECT_EQ(read_yaml(out("empty") / "day.yaml")["counts"]["attempts"].integer(), 0);
     EXPECT_TRUE(compare_days(out("empty"), out("empty")).equal());
 }
@@ -274,8 +278,8 @@ TEST_F(Day, TheCausesAreThoseThatTheDifferenceOfTwoRunsNames) {
 }
 
 TEST_F(Day, ARunFolderThatIsGoneLeavesItsCausesUnknown) {
-    ASSERT_EQ(run_day("old", list_json("old", {"stated"})).exit_status, 0);
-    ASSERT_EQ(run_day("new", list_json("new", {"stated"})).exit_status, 0);
+    run_day("old", {"stated"});
+    run_day("new", {"stated"});
     const fs::path alone = folder_->path() / "alone";
     fs::create_directory(alone);
     fs::copy_file(out("old") / "day.yaml", alone / "day.yaml");

@@ -4,16 +4,17 @@
 #include <string_view>
 #include <vector>
 
+#include "make/day_run.h"
 #include "reports/day/day.h"
-#include "schemas/day_list/declared.h"
 #include "schemas/verdict/declared.h"
 
 namespace runcert {
 
-/// Reads the list that `runcert batch` hands over, JSON. `where` names it in messages. Failure,
-/// with the path of the value, where anything is missing, unknown or of another type; where a file
-/// would lie outside of the day's folder; where two attempts with one id are done.
-DayList read_day_list(std::string_view text, const std::string& where);
+/// An attempt of a day, and what became of it.
+struct DayOutcome {
+    const DayAttempt& attempt;
+    const AttemptOutcome& outcome;
+};
 
 /// What the day takes from a report.json, with the speed around the window of each rule.
 struct ReportIdentity {
@@ -30,11 +31,11 @@ ReportIdentity read_report_identity(std::string_view text, const std::string& wh
 
 /// An attempt that is done, from its verdict and its report. Failure where the two, or the id under
 /// which the day lists it, do not belong together.
-AttemptResult summary_of(const ListedAttempt& listed, const Verdict& verdict,
-                         const ReportIdentity& report);
+AttemptResult summary_of(const DayOutcome& of, const Verdict& verdict,
+                         const std::string& verdict_sha256, const ReportIdentity& report);
 
 /// An attempt that is not done.
-AttemptResult summary_of(const ListedAttempt& listed);
+AttemptResult summary_of(const DayOutcome& of);
 
 /// Adds the rules of a verdict that are not among these, without counts and ranking.
 void add_rules(std::vector<DayProfile>& profiles, const Verdict& verdict);

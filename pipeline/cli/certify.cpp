@@ -17,7 +17,7 @@
 #include "core/failure.h"
 #include "core/prose.h"
 #include "core/text.h"
-#include "moving_line.h"
+#include "make/progress.h"
 #include "recognised.h"
 #include "reports/document/document_text.h"
 #include "reports/words/answer.h"
@@ -123,12 +123,11 @@ void print_json(const Verdict& verdict, const fs::path& run_dir, bool is_signed,
     fmt::print("{}\n", answer.dump(2, ' ', true));
 }
 
-void print_stage(const StageDone& stage) {
+std::string stage_line(const StageDone& stage) {
     const std::string said =
         stage.said.empty() ? "" : wrapped(stage.said.front(), 0, 0, stage_columns);
-    fmt::print("{:<8}{:<{}} {:>6.2f} s\n", stage.name, said.substr(0, said.find('\n')),
-               stage_columns, stage.seconds);
-    std::fflush(stdout);
+    return fmt::format("{:<8}{:<{}} {:>6.2f} s\n", stage.name, said.substr(0, said.find('\n')),
+                       stage_columns, stage.seconds);
 }
 
 /// Pages of a run in making. What draws them is started while the run is measured, and waits for
@@ -242,9 +241,10 @@ int certify(const CertifyOptions& options) {
     std::vector<StageDone> stages;
     Verdict verdict;
     Answer answer;
-    MovingLine line(options.json || options.quiet ? nullptr : stdout,
-                    seconds_of_steps(run_dir / run_times_name));
     const bool says_stages = !options.json && !options.quiet;
+    Progress progress =
+        make_progress({.style = says_stages ? progress_style_for(stdout) : ProgressStyle::plain,
+                       .took = seconds_of_steps(run_dir / run_times_name)});
     const auto show = [&](const StageDone& stage) {
         StageDone shown = stage;
         stages.push_back(stage);
@@ -252,15 +252,13 @@ int certify(const CertifyOptions& options) {
             verdict = verdict_in(staging.path());
             shown.said = {"answer below"};
         }
-        line.clear();
-        if (says_stages) print_stage(shown);
+        if (says_stages) progress({.what = Note{stage_line(shown)}});
         // The answer is there before anything is drawn; where time may run out, at the end.
         if (stage.name == (time_is_limited() ? "report" : "check") && !options.json) {
             answer = answer_of(verdict, stages, run_dir, options);
-            fmt::print("\n{}", answer.details);
-            if (!options.no_render && !time_is_limited()) fmt::print("{}", answer.result);
-            fmt::print("\n");
-            std::fflush(stdout);
+            const bool with_result = !options.no_render && !time_is_limited();
+            progress({.what = Note{fmt::format("\n{}{}\n", answer.details,
+                                               with_result ? answer.result : "")}});
         }
     };
     StageDone report;  // one to the user, with its pages
@@ -273,7 +271,7 @@ int certify(const CertifyOptions& options) {
         make_run(
             run,
             [&](const Step& step) {
-                line.begins(step.name);
+                progress({.what = StepBegins{step.name}});
                 if (step.name == "report") {
                     report_began = std::chrono::steady_clock::now();
                     if (is_whole) whole.emplace();
@@ -289,7 +287,6 @@ int certify(const CertifyOptions& options) {
                 }
             });
         if (first) {
-            line.begins("render");
             first->begin();
             if (whole) whole->begin(staging.path());
             report.said = first->drawn().said;
@@ -302,8 +299,9 @@ int certify(const CertifyOptions& options) {
             whole->put_into(staging.path());
             whole.reset();
         }
+        progress = nullptr;  // what follows is printed without it
     } catch (StageFailed& failed) {
-        line.clear();
+        progress = nullptr;
         replace_all(failed.result.errors, staging.path().string(), run_dir.string());
         fmt::print(stderr, "{}", message_of(failed));
         return 2;

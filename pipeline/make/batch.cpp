@@ -80,28 +80,29 @@ int run_selected(const BatchOrder& order, const Day& day, const std::vector<bool
     const auto begin = std::chrono::steady_clock::now();
     ProgressOptions options = order.progress;
     options.total = day.attempts.size();
-    const auto progress = make_progress(options);
+    const Progress progress = make_progress(options);
+    const auto note = [&](const std::string& text) { progress({.what = Note{text}}); };
     const Interrupts interrupts(
-        [&](Interruption wanted, int) { progress->note(interruption_words(wanted)); });
+        [&](Interruption wanted, int) { note(interruption_words(wanted)); });
     const auto lock = lock_day(order.context.out, lock_kind, order.wait, interrupts.finish());
     if (!lock) {
-        progress->ends({.closing = {"Interrupted while waiting for another batch."}});
+        progress({.what = DaySummary{.closing = {"Interrupted while waiting for another batch."}}});
         return 2;
     }
     if (!lock->left_by().empty())
-        progress->note("the batch before this one was ended in its midst (" + lock->left_by() +
-                       "): going on from there");
+        note("the batch before this one was ended in its midst (" + lock->left_by() +
+             "): going on from there");
     if (lock_kind == LockKind::exclusive) remove_half_written(BatchFolders(order.context.out));
-    for (const std::string& note : day.notes)
-        progress->note(note);
-    if (!order.passing_key.empty()) progress->note(order.passing_key);
-    if (std::string missing = missing_sandbox(); !missing.empty()) progress->note(missing);
+    for (const std::string& text : day.notes)
+        note(text);
+    if (!order.passing_key.empty()) note(order.passing_key);
+    if (std::string missing = missing_sandbox(); !missing.empty()) note(missing);
     BatchContext context = order.context;
     // Runs side by side use the processors already; their steps need not share one out again.
     context.threads = std::max(1U, threads_allowed() / static_cast<unsigned>(order.jobs));
     const std::vector<AttemptOutcome> outcomes = run_day(
         day, selected, context,
-        {.jobs = order.jobs, .finish = interrupts.finish(), .stop = interrupts.stop()}, *progress);
+        {.jobs = order.jobs, .finish = interrupts.finish(), .stop = interrupts.stop()}, progress);
     DaySummary summary = summary_of(outcomes, selected);
     if (std::string words = foreign_records_words(outcomes); !words.empty())
         summary.closing.push_back(std::move(words));
@@ -122,7 +123,7 @@ int run_selected(const BatchOrder& order, const Day& day, const std::vector<bool
             "Where the cause is mended, the same command again makes these alone.");
     summary.seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    progress->ends(summary);
+    progress({.what = summary});
     if (written.trouble) throw Failure(*written.trouble);
     return summary.failed == 0 && !unfinished ? 0 : 2;
 }

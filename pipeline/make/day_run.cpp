@@ -55,12 +55,12 @@ FileHashes named_in_results(const FileHashes& files) {
 /// One attempt of the day on this computer.
 class AttemptRun {
   public:
-    AttemptRun(std::size_t index, const DayAttempt& attempt, Progress& progress)
+    AttemptRun(std::size_t index, const DayAttempt& attempt, const Progress& progress)
         : index_(index), attempt_(attempt), progress_(progress) {}
 
     AttemptOutcome run(const BatchContext& context, const LocalEngine& engine) {
         if (engine.finish.stop_requested()) {
-            progress_.attempt_skipped(index_);
+            tell(AttemptSkipped{});
             // What is there from before counts, unless all is to stop now.
             return outcome_of(attempt_,
                               attempt_.refused || engine.stop.stop_requested()
@@ -68,7 +68,7 @@ class AttemptRun {
                                   : inspect_run(attempt_, context),
                               "the batch was interrupted before");
         }
-        progress_.attempt_begins(index_, attempt_.id);
+        tell(AttemptBegins{attempt_.id});
         const auto begin = std::chrono::steady_clock::now();
         const RunState state = made(context, engine);
         const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
@@ -84,9 +84,8 @@ class AttemptRun {
   private:
     RunState made(const BatchContext& context, const LocalEngine& engine) {
         if (attempt_.refused) return {.failure = refusal_of(*attempt_.refused)};
-        const StepWatch watch{
-            .begins = [&](const std::string& step) { progress_.step_begins(index_, step); },
-            .ends = [&](const StepReport& step) { progress_.step_ends(index_, step); }};
+        const StepWatch watch{.begins = [&](const std::string& step) { tell(StepBegins{step}); },
+                              .ends = [&](const StepReport& step) { tell(step); }};
         return update_run(attempt_, context, watch, engine.stop);
     }
 
@@ -101,12 +100,17 @@ class AttemptRun {
                              .signs = state.signs,
                              .error = state.failure ? error_text(*state.failure) : "",
                              .seconds = seconds};
-        progress_.attempt_ends(index_, report);
+        tell(report);
+    }
+
+    template <class What>
+    void tell(const What& what) {
+        progress_({index_, what});
     }
 
     std::size_t index_;
     const DayAttempt& attempt_;
-    Progress& progress_;
+    const Progress& progress_;
 };
 
 void refuse_inner(const Folder& folder, const std::string& name) {
@@ -174,7 +178,7 @@ void remove_half_written(const BatchFolders& folders) {
 
 std::vector<AttemptOutcome> run_day(const Day& day, const std::vector<bool>& selected,
                                     const BatchContext& context, const LocalEngine& engine,
-                                    Progress& progress) {
+                                    const Progress& progress) {
     std::vector<AttemptOutcome> outcomes(day.attempts.size());
     for_each_index(day.attempts.size(), engine.jobs, [&](std::size_t i) {
         const DayAttempt& attempt = day.attempts[i];
@@ -182,7 +186,7 @@ std::vector<AttemptOutcome> run_day(const Day& day, const std::vector<bool>& sel
             outcomes[i] = AttemptRun(i, attempt, progress).run(context, engine);
             return;
         }
-        progress.attempt_skipped(i);
+        progress({i, AttemptSkipped{}});
         outcomes[i] =
             outcome_of(attempt, attempt.refused ? RunState{} : inspect_run(attempt, context),
                        "left out by --only");

@@ -48,7 +48,7 @@ void remove_half_written(const BatchFolders& folders);
 /// order of the day.
 std::vector<AttemptOutcome> run_day(const Day& day, const std::vector<bool>& selected,
                                     const BatchContext& context, const LocalEngine& engine,
-                                    Progress& progress);
+                                    const Progress& progress);
 
 /// How all attempts of a day stand, without running any.
 std::vector<RunState> inspect_day(const Day& day, const BatchContext& context, std::size_t jobs);

@@ -36,16 +36,11 @@ void print(std::string_view text, std::FILE* to) {
 /// Writes lines as soon as they may be said.
 class LineWriter {
   public:
-    explicit LineWriter(const ProgressOptions& options) : options_(options) {}
-    ~LineWriter() { print_each(order_.rest()); }
-    LineWriter(const LineWriter&) = delete;
-    LineWriter& operator=(const LineWriter&) = delete;
-
+    explicit LineWriter(const ProgressOptions& options) : options_(options), lines_(options) {}
+    ~LineWriter() { print_each(lines_.rest()); }
     void take(const Event& event) {
         const std::lock_guard lock(mutex_);
-        print_each(order_.after(event, options_.style == ProgressStyle::json
-                                           ? json_.lines(event)
-                                           : event_lines(event, options_)));
+        print_each(lines_.after(event, options_.columns));
     }
 
   private:
@@ -57,28 +52,25 @@ class LineWriter {
 
     ProgressOptions options_;
     std::mutex mutex_;
-    EventJson json_;
-    ReportOrder order_;
+    EventLines lines_;
 };
 
 /// One thread draws; all others only change what it draws. The cursor is never hidden and rests at
 /// the end of the line, so that a program that is killed leaves nothing to repair.
 class TerminalWriter {
   public:
-    explicit TerminalWriter(const ProgressOptions& options) : options_(options), moving_(options) {
+    explicit TerminalWriter(const ProgressOptions& options)
+        : options_(options), lines_(options, !is_set("NO_COLOR")), moving_(options) {
         drawer_ = std::jthread([this](const std::stop_token& stop) { draw_until(stop); });
     }
     ~TerminalWriter() {
         drawer_ = {};
-        print(erasure(columns()) + said_ + order_.rest(), options_.to);
+        print(erasure(columns()) + said_ + lines_.rest(), options_.to);
     }
-    TerminalWriter(const TerminalWriter&) = delete;
-    TerminalWriter& operator=(const TerminalWriter&) = delete;
 
     void take(const Event& event) {
         const std::lock_guard lock(mutex_);
-        options_.columns = columns() - 1;
-        said_ += order_.after(event, event_lines(event, options_, colour_));
+        said_ += lines_.after(event, columns() - 1);
         moving_.take(event, now_s());
     }
 
@@ -88,7 +80,8 @@ class TerminalWriter {
     std::size_t columns() const {
         winsize window{};
         const bool is_said = ioctl(fileno(options_.to), TIOCGWINSZ, &window) == 0;
-        return is_said && window.ws_col > 1 ? window.ws_col : columns_unsaid_;
+        return is_said && window.ws_col > 1 ? window.ws_col
+                                            : std::max<std::size_t>(options_.columns, 2);
     }
 
     void draw_until(const std::stop_token& stop) {
@@ -127,12 +120,10 @@ class TerminalWriter {
     }
 
     ProgressOptions options_;
-    std::size_t columns_unsaid_ = std::max<std::size_t>(options_.columns, 2);
-    bool colour_ = !is_set("NO_COLOR");  // https://no-color.org
     Clock::time_point began_ = Clock::now();
     std::mutex mutex_;
     std::condition_variable_any wakes_;
-    ReportOrder order_;
+    EventLines lines_;
     MovingLine moving_;
     std::string drawn_;  ///< the line on the terminal
     std::string said_;   ///< what goes above it with the next drawing

@@ -146,11 +146,11 @@ Prefix prefix_of(std::string_view text, std::size_t columns) {
 
 }  // namespace
 
-std::string event_lines(const Event& event, const ProgressOptions& options, bool colour) {
-    const bool quiet = options.style == ProgressStyle::quiet;
+std::string EventLines::for_people(const Event& event) const {
+    const bool quiet = options_.style == ProgressStyle::quiet;
     if (const auto* attempt = std::get_if<AttemptReport>(&event.what);
         attempt && (!quiet || attempt->state == "failed"))
-        return attempt_lines(event.attempt, *attempt, options, colour);
+        return attempt_lines(event.attempt, *attempt, options_, colour_);
     if (const auto* note = std::get_if<Note>(&event.what); note && !quiet)
         return plain_lines(note->text);
     if (const auto* summary = std::get_if<DaySummary>(&event.what)) {
@@ -162,21 +162,20 @@ std::string event_lines(const Event& event, const ProgressOptions& options, bool
     return {};
 }
 
-std::string EventJson::lines(const Event& event) {
+std::string EventLines::json(const Event& event) {
     const std::size_t index = event.attempt;
     if (const auto* begins = std::get_if<AttemptBegins>(&event.what))
         return json_line({{"event", "begin"}, {"index", index}, {"id", begins->id}});
     if (const auto* step = std::get_if<StepReport>(&event.what)) {
-        ++told_[index];
+        ++attempts_[index].steps_told;
         return json_line(index, *step);
     }
     if (const auto* attempt = std::get_if<AttemptReport>(&event.what)) {
         const std::size_t ran = steps_run(*attempt);
         std::string lines;
         // A step that failed has not been told by itself.
-        for (std::size_t step = told_[index]; step < attempt->steps.size(); ++step)
+        for (std::size_t step = attempts_[index].steps_told; step < attempt->steps.size(); ++step)
             lines += json_line(index, attempt->steps[step]);
-        told_.erase(index);
         return lines + json_line({{"event", "attempt"},
                                   {"index", index},
                                   {"id", attempt->id},
@@ -205,28 +204,32 @@ std::string EventJson::lines(const Event& event) {
     return {};
 }
 
-std::string ReportOrder::after(const Event& event, const std::string& text) {
+std::string EventLines::after(const Event& event, std::size_t columns) {
+    options_.columns = columns;
+    const std::string text =
+        options_.style == ProgressStyle::json ? json(event) : for_people(event);
     if (std::holds_alternative<Note>(event.what)) return text;
     if (std::holds_alternative<DaySummary>(event.what)) return rest() + text;
     assert(event.attempt >= next_);
-    Held& own = held_[event.attempt];
-    own.text += text;
+    Attempt& own = attempts_[event.attempt];
+    own.held += text;
     own.ended = std::holds_alternative<AttemptReport>(event.what) ||
                 std::holds_alternative<AttemptSkipped>(event.what);
     std::string sayable;
-    for (auto first = held_.find(next_); first != held_.end(); first = held_.find(next_)) {
-        sayable += std::exchange(first->second.text, {});
+    for (auto first = attempts_.find(next_); first != attempts_.end();
+         first = attempts_.find(next_)) {
+        sayable += std::exchange(first->second.held, {});
         if (!first->second.ended) break;
-        held_.erase(first);
+        attempts_.erase(first);
         ++next_;
     }
     return sayable;
 }
 
-std::string ReportOrder::rest() {
+std::string EventLines::rest() {
     std::string all;
-    for (auto& [index, held] : held_)
-        all += std::exchange(held.text, {});
+    for (auto& [index, attempt] : attempts_)
+        all += std::exchange(attempt.held, {});
     return all;
 }
 
@@ -258,12 +261,12 @@ std::string MovingLine::text(double now_s) const {
     if (total_ > 1 && failed_ > 0) text += fmt::format(", {} failed", failed_);
     if (total_ > 1 && ran_ > 0 && last_ended_s_ > began_s_) {
         const double each_s = (last_ended_s_ - *began_s_) / static_cast<double>(ran_);
-        text += fmt::format(", {:.{}f} a minute", 60.0 / each_s, each_s > 6.0 ? 1 : 0);
         const double left_s =
             std::ceil(last_ended_s_ - now_s + each_s * static_cast<double>(total_ - ended_));
         if (left_s > 0.0)
             text += left_s < 99.0 ? fmt::format(", {:.0f} s left", left_s)
                                   : fmt::format(", {} left", duration_text(left_s));
+        text += fmt::format(", {:.{}f} a minute", 60.0 / each_s, each_s > 6.0 ? 1 : 0);
     }
     if (running_.empty()) return text;
     // The first of those that run is the one that others wait for.

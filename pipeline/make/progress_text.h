@@ -12,34 +12,31 @@
 
 namespace runcert {
 
-/// An event as lines for people, each ended; empty where it says nothing. `colour`: of an attempt's
-/// state, by ANSI sequences.
-std::string event_lines(const Event& event, const ProgressOptions& options, bool colour = false);
-
-/// Events as lines of JSON, in ASCII. Bytes that are not UTF-8 become U+FFFD.
-class EventJson {
+/// Says the events of a day as lines, for people or (in ASCII; bytes that are not UTF-8 become
+/// U+FFFD) of JSON. The texts of attempts that run side by side are brought into the order of the
+/// attempts: those of the first one that has not ended pass, those of later ones are held back.
+class EventLines {
   public:
-    std::string lines(const Event& event);
-
-  private:
-    std::map<std::size_t, std::size_t> told_;  ///< steps of attempts that run
-};
-
-/// Brings the texts of attempts that run side by side into the order of the attempts: texts of the
-/// first one that has not ended pass, those of later ones are held back.
-class ReportOrder {
-  public:
-    /// What may be said after an event, whose own text is given.
-    std::string after(const Event& event, const std::string& text);
+    /// `colour`: of an attempt's state, by ANSI sequences.
+    explicit EventLines(const ProgressOptions& options, bool colour = false)
+        : options_(options), colour_(colour) {}
+    /// What may be said after an event: lines, each ended; that of an attempt is cut to the width.
+    std::string after(const Event& event, std::size_t columns);
     /// All that is held back, in order; afterwards nothing is.
     std::string rest();
 
   private:
-    struct Held {
-        std::string text = {};
+    std::string for_people(const Event& event) const;
+    std::string json(const Event& event);
+
+    struct Attempt {
+        std::string held = {};
+        std::size_t steps_told = 0;
         bool ended = false;
     };
-    std::map<std::size_t, Held> held_;
+    ProgressOptions options_;
+    bool colour_;
+    std::map<std::size_t, Attempt> attempts_;
     std::size_t next_ = 0;  ///< the first attempt that has not ended
 };
 
@@ -50,7 +47,7 @@ class MovingLine {
         : total_(options.total), took_(options.took) {}
     void take(const Event& event, double now_s);
 
-    /// Of a day "12 of 40, 1 failed, 2.5 a minute, 11 min 2 s left; heat-3: smooth 3 s of about
+    /// Of a day "12 of 40, 1 failed, 11 min 2 s left, 2.5 a minute; heat-3: smooth 3 s of about
     /// 8 s, 2 more"; of one attempt "smooth 3 s of about 8 s". The pace is that of the attempts
     /// that really ran: one of which everything was kept says nothing about those to come.
     std::string text(double now_s) const;

@@ -28,12 +28,12 @@ TEST(MovingLine, SaysHowFarHowFastAndHowLongYet) {
     line.take({0, StepReport{.step = "smooth", .ran = true, .seconds = 29.0}}, 31.0);
     line.take({0, that_ran("failed")}, 31.0);
     line.take({1, StepBegins{"smooth"}}, 31.0);
-    EXPECT_EQ(line.text(41.0), "1 of 40, 1 failed, 2.0 a minute, 19 min 20 s left; heat-" +
+    EXPECT_EQ(line.text(41.0), "1 of 40, 1 failed, 19 min 20 s left, 2.0 a minute; heat-" +
                                    chinese + ": smooth 10 s of about 29 s");
     for (std::size_t index = 2; index < 39; ++index)
         line.take({index, AttemptSkipped{}}, 42.0);
     line.take({1, that_ran("done")}, 61.0);
-    EXPECT_EQ(line.text(61.0), "39 of 40, 1 failed, 2.0 a minute, 30 s left");
+    EXPECT_EQ(line.text(61.0), "39 of 40, 1 failed, 30 s left, 2.0 a minute");
     // What takes longer than expected is not said to be over.
     EXPECT_EQ(line.text(100.0), "39 of 40, 1 failed, 2.0 a minute");
 }
@@ -51,7 +51,7 @@ TEST(MovingLine, ThePaceIsThatOfTheAttemptsThatReallyRan) {
         line.take({index, AttemptBegins{"ran"}}, 1.0);
     for (const std::size_t index : {100U, 101U})
         line.take({index, that_ran("done")}, 30.0);
-    EXPECT_EQ(line.text(60.0), "102 of 110, 4.0 a minute, 90 s left");
+    EXPECT_EQ(line.text(60.0), "102 of 110, 90 s left, 4.0 a minute");
 }
 
 TEST(MovingLine, OfOneAttemptSaysTheStepAndHowLongItTookBefore) {

@@ -213,21 +213,28 @@ TEST(Progress, TextFromOutsideSteersNoTerminal) {
     }
 }
 
-TEST(ReportOrder, PassesWhatIsFirstAndHoldsBackTheRest) {
-    ReportOrder order;
-    const auto say = [&](std::size_t index, const std::string& text) {
-        return order.after({index, StepBegins{}}, text);
+TEST(EventLines, PassWhatIsFirstAndHoldBackTheRest) {
+    EventLines lines({.style = ProgressStyle::json});
+    // An attempt by its letter, and of it the number of the step that has ended.
+    const auto after = [&](const Event& event) {
+        std::string said;
+        for (const std::string& line : lines_of(lines.after(event, 80))) {
+            const nlohmann::json what = nlohmann::json::parse(line);
+            said += what.contains("index") ? "abcdefg"[what["index"].get<std::size_t>()] : '-';
+            said += what.contains("step") ? what["step"].get<std::string>() : "";
+        }
+        return said;
     };
-    EXPECT_EQ(say(1, "b1"), "");
-    EXPECT_EQ(say(0, "a1"), "a1");
-    EXPECT_EQ(order.after({1, AttemptReport{.id = "b", .state = "done"}}, "b2"), "");
-    EXPECT_EQ(say(2, "c1"), "");
-    EXPECT_EQ(order.after({0, AttemptSkipped{}}, ""), "b1b2c1");
-    EXPECT_EQ(say(2, "c2"), "c2");
-    EXPECT_EQ(say(4, "e"), "");
-    EXPECT_EQ(order.after({.what = Note{}}, "note"), "note");
-    EXPECT_EQ(order.after({.what = DaySummary{}}, "end"), "eend");
-    EXPECT_EQ(order.rest(), "");
+    EXPECT_EQ(after({1, StepReport{.step = "1"}}), "");
+    EXPECT_EQ(after({0, StepReport{.step = "1"}}), "a1");
+    EXPECT_EQ(after({1, AttemptReport{.id = "b", .state = "done"}}), "");
+    EXPECT_EQ(after({2, StepReport{.step = "1"}}), "");
+    EXPECT_EQ(after({0, AttemptSkipped{}}), "b1bc1");
+    EXPECT_EQ(after({2, StepReport{.step = "2"}}), "c2");
+    EXPECT_EQ(after({4, StepReport{.step = "1"}}), "");
+    EXPECT_EQ(after({.what = Note{}}), "-");
+    EXPECT_EQ(after({.what = DaySummary{}}), "e1-");
+    EXPECT_EQ(lines.rest(), "");
 }
 
 }  // namespace

@@ -13,7 +13,7 @@
 #include "core/prose.h"
 #include "core/text.h"
 #include "make/maker.h"
-#include "moving_line.h"
+#include "make/progress.h"
 #include "recognised.h"
 #include "reports/document/document_text.h"
 #include "reports/words/answer.h"
@@ -117,12 +117,12 @@ void print_json(const Verdict& verdict, const fs::path& run_dir, bool is_signed,
     fmt::print("{}\n", answer.dump(2, ' ', true));
 }
 
-void print_stage(const StageDone& stage) {
+std::string stage_line(const StageDone& stage) {
     const std::string said =
         stage.said.empty() ? "" : wrapped(stage.said.front(), 0, 0, stage_columns);
-    fmt::print("{:<8}{:<{}} {}\n", stage.name, said.substr(0, said.find('\n')), stage_columns,
-               stage.seconds == kept ? "    kept" : fmt::format("{:>6.2f} s", stage.seconds));
-    std::fflush(stdout);
+    return fmt::format(
+        "{:<8}{:<{}} {}\n", stage.name, said.substr(0, said.find('\n')), stage_columns,
+        stage.seconds == kept ? "    kept" : fmt::format("{:>6.2f} s", stage.seconds));
 }
 
 /// What is no attempt may be a recording: the likeliest first try.
@@ -157,13 +157,15 @@ class Shown {
     Shown(const CertifyOptions& options, fs::path run_dir)
         : options_(options),
           run_dir_(std::move(run_dir)),
-          line_(options.json || options.quiet ? nullptr : stdout,
-                seconds_of_steps(run_dir_ / run_times_name)) {}
+          says_stages_(!options.json && !options.quiet),
+          progress_(make_progress(
+              {.style = says_stages_ ? progress_style_for(stdout) : ProgressStyle::plain,
+               .took = seconds_of_steps(run_dir_ / run_times_name)})) {}
 
     MakerWatch watch() {
         return {.begins =
                     [this](const std::string& step) {
-                        line_.begins(step);
+                        if (step != "render") progress_({.what = StepBegins{step}});
                         if (step == "report") report_began_ = Clock::now();
                     },
                 .ends = [this](const StepReport& step, const StepRecord& record,
@@ -177,13 +179,14 @@ class Shown {
         if (report_began_ != Clock::time_point())
             report_.seconds = std::chrono::duration<double>(Clock::now() - report_began_).count();
         show(report_);
+        progress_ = nullptr;  // what follows is printed without it
         if (!options_.json)
             fmt::print("        {}{}\n", (run_dir_ / page_to_read(options_)).string(),
                        is_signed() ? " (signed)" : " (UNSIGNED: give --key to sign it)");
         std::fflush(stdout);
     }
 
-    void clear() { line_.clear(); }
+    void clear() { progress_ = nullptr; }
     bool is_signed() const { return !signature_files(run_dir_).empty(); }
     const Verdict& verdict() const { return verdict_; }
     const Answer& answer() const { return answer_; }
@@ -206,21 +209,20 @@ class Shown {
 
     void show(StageDone stage) {
         stages_.push_back(stage);
-        line_.clear();
         if (stage.name == "check") stage.said = {"answer below"};
-        if (!options_.json && !options_.quiet) print_stage(stage);
+        if (says_stages_) progress_({.what = Note{stage_line(stage)}});
         // The answer is there before anything is drawn; where time may run out, at the end.
         if (stage.name != (time_is_limited() ? "report" : "check") || options_.json) return;
         answer_ = answer_of(verdict_, stages_, run_dir_, options_);
-        fmt::print("\n{}", answer_.details);
-        if (!options_.no_render && !time_is_limited()) fmt::print("{}", answer_.result);
-        fmt::print("\n");
-        std::fflush(stdout);
+        const bool with_result = !options_.no_render && !time_is_limited();
+        progress_({.what = Note{fmt::format("\n{}{}\n", answer_.details,
+                                            with_result ? answer_.result : "")}});
     }
 
     const CertifyOptions& options_;
     fs::path run_dir_;
-    MovingLine line_;
+    bool says_stages_;
+    Progress progress_;
     std::vector<StageDone> stages_;
     StageDone report_;
     Clock::time_point report_began_;
@@ -242,9 +244,10 @@ int certify(const CertifyOptions& options) {
     Shown shown(options, run_dir);
     const RunState state = update_run({.attempt = given, .run_dir = run_dir, .is_named = true},
                                       making, shown.watch(), {});
-    shown.clear();
-    if (state.failure)
+    if (state.failure) {
+        shown.clear();
         throw Failure(state.failure->where, state.failure->problem, state.failure->remedy);
+    }
     shown.published();
     const Verdict& verdict = shown.verdict();
     const bool all_beaten = std::ranges::all_of(

@@ -71,24 +71,25 @@ int run_selected(const BatchOrder& order, const Day& day, const std::vector<bool
     const auto begin = std::chrono::steady_clock::now();
     ProgressOptions options = order.progress;
     options.total = day.attempts.size();
-    const auto progress = make_progress(options);
+    const Progress progress = make_progress(options);
+    const auto note = [&](const std::string& text) { progress({.what = Note{text}}); };
     const Interrupts interrupts(
-        [&](Interruption wanted, int) { progress->note(interruption_words(wanted)); });
+        [&](Interruption wanted, int) { note(interruption_words(wanted)); });
     const auto lock =
         lock_day(order.out, work == Work::share ? LockKind::shared : LockKind::exclusive,
                  order.wait, interrupts.finish());
     if (!lock) {
-        progress->ends({.closing = {"Interrupted while waiting for another batch."}});
+        progress({.what = DaySummary{.closing = {"Interrupted while waiting for another batch."}}});
         return 2;
     }
     if (!lock->left_by().empty())
-        progress->note("the batch before this one was ended in its midst (" + lock->left_by() +
-                       "): going on from there");
+        note("the batch before this one was ended in its midst (" + lock->left_by() +
+             "): going on from there");
     if (work == Work::whole) clear_abandoned(Folder(order.out));
-    for (const std::string& note : day.notes)
-        progress->note(note);
-    if (std::string missing = missing_state(); !missing.empty()) progress->note(missing);
-    if (std::string missing = missing_sandbox(); !missing.empty()) progress->note(missing);
+    for (const std::string& text : day.notes)
+        note(text);
+    if (std::string missing = missing_state(); !missing.empty()) note(missing);
+    if (std::string missing = missing_sandbox(); !missing.empty()) note(missing);
     MakerOptions making = order.making;
     // Runs side by side use the processors already; their steps need not share one out again.
     making.threads = std::max(1U, threads_allowed() / static_cast<unsigned>(order.jobs));
@@ -97,7 +98,7 @@ int run_selected(const BatchOrder& order, const Day& day, const std::vector<bool
                                                           .makes = work != Work::looked_at,
                                                           .finish = interrupts.finish(),
                                                           .stop = interrupts.stop()},
-                                                         *progress);
+                                                         progress);
     DaySummary summary = summary_of(outcomes, selected);
     ResultsWritten written;
     if (work != Work::share && !interrupts.stop().stop_requested())
@@ -116,7 +117,7 @@ int run_selected(const BatchOrder& order, const Day& day, const std::vector<bool
             "Where the cause is mended, the same command again makes these alone.");
     summary.seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    progress->ends(summary);
+    progress({.what = summary});
     if (written.trouble) throw Failure(*written.trouble);
     return summary.failed == 0 && !unfinished ? 0 : 2;
 }

@@ -56,7 +56,7 @@ FileHashes named_in_results(const FileHashes& files) {
 class AttemptRun {
   public:
     AttemptRun(std::size_t index, const DayAttempt& attempt, const std::filesystem::path& out,
-               Progress& progress)
+               const Progress& progress)
         : index_(index),
           attempt_(attempt),
           order_{.attempt = attempt, .run_dir = out / attempt.id},
@@ -64,7 +64,7 @@ class AttemptRun {
 
     AttemptOutcome run(const MakerOptions& making, const LocalEngine& engine) {
         if (engine.finish.stop_requested()) {
-            progress_.attempt_skipped(index_);
+            tell(AttemptSkipped{});
             // What is there from before counts, unless all is to stop now.
             return outcome_of(attempt_,
                               attempt_.refused || engine.stop.stop_requested()
@@ -72,11 +72,11 @@ class AttemptRun {
                                   : inspect_run(order_, making),
                               "the batch was interrupted before");
         }
-        progress_.attempt_begins(index_, attempt_.id);
+        tell(AttemptBegins{attempt_.id});
         const auto begin = std::chrono::steady_clock::now();
         const RunState state = made(making, engine);
         if (!engine.makes && !state.complete && !state.failure) {
-            progress_.attempt_skipped(index_);
+            tell(AttemptSkipped{});
             return outcome_of(attempt_, state,
                               "it was not run to its end; the same command makes it");
         }
@@ -92,12 +92,16 @@ class AttemptRun {
   private:
     RunState made(const MakerOptions& making, const LocalEngine& engine) {
         if (attempt_.refused) return {.failure = refusal_of(*attempt_.refused)};
-        const MakerWatch watch{
-            .begins = [&](const std::string& step) { progress_.step_begins(index_, step); },
-            .ends = [&](const StepReport& step, const StepRecord&,
-                        const std::filesystem::path&) { progress_.step_ends(index_, step); }};
+        const MakerWatch watch{.begins = [&](const std::string& step) { tell(StepBegins{step}); },
+                               .ends = [&](const StepReport& step, const StepRecord&,
+                                           const std::filesystem::path&) { tell(step); }};
         if (!engine.makes) return inspect_run(order_, making);
         return update_run(order_, making, watch, engine.stop);
+    }
+
+    template <class What>
+    void tell(const What& what) {
+        progress_({index_, what});
     }
 
     void report(const RunState& state, double seconds) {
@@ -112,13 +116,13 @@ class AttemptRun {
                              .superseded = state.superseded,
                              .error = state.failure ? error_text(*state.failure) : "",
                              .seconds = seconds};
-        progress_.attempt_ends(index_, report);
+        tell(report);
     }
 
     std::size_t index_;
     const DayAttempt& attempt_;
     RunOrder order_;
-    Progress& progress_;
+    const Progress& progress_;
 };
 
 RunState inspected(const DayAttempt& attempt, const std::filesystem::path& out,
@@ -183,7 +187,7 @@ AttemptOutcome outcome_of(const DayAttempt& attempt, const RunState& state,
 
 std::vector<AttemptOutcome> run_day(const Day& day, const std::vector<bool>& selected,
                                     const std::filesystem::path& out, const MakerOptions& making,
-                                    const LocalEngine& engine, Progress& progress) {
+                                    const LocalEngine& engine, const Progress& progress) {
     std::vector<AttemptOutcome> outcomes(day.attempts.size());
     for_each_index(day.attempts.size(), engine.jobs, [&](std::size_t i) {
         const DayAttempt& attempt = day.attempts[i];
@@ -191,7 +195,7 @@ std::vector<AttemptOutcome> run_day(const Day& day, const std::vector<bool>& sel
             outcomes[i] = AttemptRun(i, attempt, out, progress).run(making, engine);
             return;
         }
-        progress.attempt_skipped(i);
+        progress({i, AttemptSkipped{}});
         outcomes[i] =
             outcome_of(attempt, attempt.refused ? RunState{} : inspected(attempt, out, making),
                        "left out by --only");

@@ -46,7 +46,7 @@ std::vector<bool> chosen_of(const Day& day, const std::vector<std::string>& only
 /// order of the day.
 std::vector<AttemptOutcome> run_day(const Day& day, const std::vector<bool>& selected,
                                     const std::filesystem::path& out, const MakerOptions& making,
-                                    const LocalEngine& engine, Progress& progress);
+                                    const LocalEngine& engine, const Progress& progress);
 
 /// How all attempts of a day stand, without running any.
 std::vector<RunState> inspect_day(const Day& day, const std::filesystem::path& out,

@@ -1,193 +1,165 @@
 #include "make/progress.h"
 
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <cmath>
+#include <chrono>
+#include <condition_variable>
 #include <cstdlib>
-#include <map>
+#include <memory>
 #include <mutex>
-#include <nlohmann/json.hpp>
-#include <set>
-#include <string>
-#include <string_view>
+#include <thread>
+#include <utility>
 
-#include "make/progress_parts.h"
+#include "core/failure.h"
+#include "core/text.h"
 #include "make/progress_text.h"
+#include "store/atomic_file.h"
+#include "store/yaml_input.h"
 
 namespace runcert {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Clock = std::chrono::steady_clock;
 
-/// Writes lines, those about attempts in the order of the attempts.
-class LinesInOrder : public Progress {
+bool is_set(const char* variable) {
+    const char* value = std::getenv(variable);
+    return value != nullptr && *value != '\0';
+}
+
+void print(std::string_view text, std::FILE* to) {
+    std::fwrite(text.data(), 1, text.size(), to);
+    std::fflush(to);
+}
+
+/// Writes lines as soon as they may be said.
+class LineWriter {
   public:
-    explicit LinesInOrder(std::FILE* to) : to_(to) {}
-    ~LinesInOrder() override { print(order_.rest()); }
-    LinesInOrder(const LinesInOrder&) = delete;
-    LinesInOrder& operator=(const LinesInOrder&) = delete;
-
-    void attempt_begins(std::size_t, const std::string&) override {}
-    void step_begins(std::size_t, const std::string&) override {}
-    void step_ends(std::size_t, const StepReport&) override {}
-    void attempt_skipped(std::size_t index) override {
+    explicit LineWriter(const ProgressOptions& options) : options_(options), lines_(options) {}
+    ~LineWriter() { print_each(lines_.rest()); }
+    void take(const Event& event) {
         const std::lock_guard lock(mutex_);
-        print(order_.end(index));
+        print_each(lines_.after(event, options_.columns));
     }
 
-  protected:
-    /// Lines, each ended; they are written one by one, so that no reader waits for the rest of one.
-    void print(std::string_view lines) {
-        while (!lines.empty()) {
-            const std::size_t end = lines.find('\n') + 1;
-            std::fwrite(lines.data(), 1, end, to_);
-            std::fflush(to_);
-            lines.remove_prefix(end);
+  private:
+    /// One by one, so that no reader waits for the rest of one.
+    void print_each(const std::string& lines) {
+        for (const std::string& line : lines_of(lines))
+            print(line + "\n", options_.to);
+    }
+
+    ProgressOptions options_;
+    std::mutex mutex_;
+    EventLines lines_;
+};
+
+/// One thread draws; all others only change what it draws. The cursor is never hidden and rests at
+/// the end of the line, so that a program that is killed leaves nothing to repair.
+class TerminalWriter {
+  public:
+    explicit TerminalWriter(const ProgressOptions& options)
+        : options_(options), lines_(options, !is_set("NO_COLOR")), moving_(options) {
+        drawer_ = std::jthread([this](const std::stop_token& stop) { draw_until(stop); });
+    }
+    ~TerminalWriter() {
+        drawer_ = {};
+        print(erasure(columns()) + said_ + lines_.rest(), options_.to);
+    }
+
+    void take(const Event& event) {
+        const std::lock_guard lock(mutex_);
+        said_ += lines_.after(event, columns() - 1);
+        moving_.take(event, now_s());
+    }
+
+  private:
+    double now_s() const { return std::chrono::duration<double>(Clock::now() - began_).count(); }
+
+    std::size_t columns() const {
+        winsize window{};
+        const bool is_said = ioctl(fileno(options_.to), TIOCGWINSZ, &window) == 0;
+        return is_said && window.ws_col > 1 ? window.ws_col
+                                            : std::max<std::size_t>(options_.columns, 2);
+    }
+
+    void draw_until(const std::stop_token& stop) {
+        constexpr std::chrono::milliseconds redraw_interval{100};
+        std::unique_lock lock(mutex_);
+        while (!stop.stop_requested()) {
+            const std::string text = next_drawing();
+            // A terminal that is held up must not hold up the work.
+            lock.unlock();
+            print(text, options_.to);
+            lock.lock();
+            wakes_.wait_for(lock, stop, redraw_interval, [] { return false; });
         }
     }
 
-    std::mutex mutex_;
-    ReportOrder order_;
-
-  private:
-    std::FILE* to_;
-};
-
-/// Plain, and quiet where the options say so.
-class PlainProgress : public LinesInOrder {
-  public:
-    explicit PlainProgress(const ProgressOptions& options)
-        : LinesInOrder(options.to),
-          options_(options),
-          quiet_(options.style == ProgressStyle::quiet) {}
-
-    void attempt_ends(std::size_t index, const AttemptReport& attempt) override {
-        const std::lock_guard lock(mutex_);
-        if (!quiet_ || attempt.state == "failed")
-            print(order_.say(index, attempt_text(attempt, {.index = index,
-                                                           .total = options_.total,
-                                                           .columns = static_cast<std::size_t>(
-                                                               std::max(options_.columns, 1)),
-                                                           .explain = options_.explain})));
-        print(order_.end(index));
+    /// Erases the line. A terminal that was made narrower has broken it into several.
+    std::string erasure(std::size_t columns) const {
+        if (drawn_.empty()) return {};
+        std::string text = "\r";
+        for (std::size_t row = 1; row * columns < columns_of(drawn_); ++row)
+            text += "\x1b[A";
+        return text + "\x1b[J";
     }
 
-    void note(const std::string& text) override {
-        const std::lock_guard lock(mutex_);
-        if (!quiet_) print(note_text(text));
+    /// Erases the line that is drawn, says what goes above it and draws the next; empty if nothing
+    /// changed.
+    std::string next_drawing() {
+        // Longer lines are harder to read, and are broken when the terminal is made narrower.
+        constexpr std::size_t widest = 79;
+        const std::size_t across = columns();
+        std::string line = fitted(moving_.text(now_s()), std::min(across - 1, widest));
+        if (said_.empty() && line == drawn_) return {};
+        std::string text = erasure(across) + std::exchange(said_, {}) + line;
+        drawn_ = std::move(line);
+        return text;
     }
 
-    void ends(const DaySummary& summary) override {
-        const std::lock_guard lock(mutex_);
-        print(order_.rest() + (quiet_ ? closing_text(summary) : summary_text(summary)));
-    }
-
-  private:
     ProgressOptions options_;
-    bool quiet_;
+    Clock::time_point began_ = Clock::now();
+    std::mutex mutex_;
+    std::condition_variable_any wakes_;
+    EventLines lines_;
+    MovingLine moving_;
+    std::string drawn_;  ///< the line on the terminal
+    std::string said_;   ///< what goes above it with the next drawing
+    std::jthread drawer_;
 };
 
-/// One line, in ASCII. Bytes that are not UTF-8 become U+FFFD.
-std::string line_of(const Json& event) {
-    return event.dump(-1, ' ', true, Json::error_handler_t::replace) + "\n";
-}
-
-double in_milliseconds(double seconds) {
-    return std::round(seconds * 1000.0) / 1000.0;
-}
-
-Json step_event(std::size_t index, const StepReport& step) {
-    return {{"event", "step"}, {"index", index},        {"step", step.step},
-            {"ran", step.ran}, {"reason", step.reason}, {"seconds", in_milliseconds(step.seconds)}};
-}
-
-Json attempt_event(std::size_t index, const AttemptReport& attempt) {
-    const std::size_t ran = steps_run(attempt);
-    return {{"event", "attempt"},
-            {"index", index},
-            {"id", attempt.id},
-            {"source", attempt.source},
-            {"state", attempt.state},
-            {"steps_run", ran},
-            {"steps_kept", attempt.steps.size() - ran},
-            {"said", attempt.said},
-            {"signs", attempt.signs},
-            {"error", attempt.error},
-            {"seconds", in_milliseconds(attempt.seconds)}};
-}
-
-Json end_event(const DaySummary& summary) {
-    return {{"event", "end"},
-            {"attempts", summary.attempts},
-            {"done", summary.done},
-            {"failed", summary.failed},
-            {"not_processed", summary.not_processed},
-            {"steps_run", summary.steps_run},
-            {"steps_kept", summary.steps_kept},
-            {"seconds", in_milliseconds(summary.seconds)},
-            {"results", summary.results},
-            {"closing", summary.closing}};
-}
-
-class JsonProgress : public LinesInOrder {
-  public:
-    using LinesInOrder::LinesInOrder;
-
-    void attempt_begins(std::size_t index, const std::string& id) override {
-        const std::lock_guard lock(mutex_);
-        say(index, {{"event", "begin"}, {"index", index}, {"id", id}});
-    }
-
-    void step_ends(std::size_t index, const StepReport& step) override {
-        const std::lock_guard lock(mutex_);
-        steps_said_[index].insert(step.step);
-        say(index, step_event(index, step));
-    }
-
-    void attempt_ends(std::size_t index, const AttemptReport& attempt) override {
-        const std::lock_guard lock(mutex_);
-        // Steps that were kept may never have been told by themselves.
-        const std::set<std::string> said = std::move(steps_said_[index]);
-        steps_said_.erase(index);
-        for (const StepReport& step : attempt.steps)
-            if (!said.contains(step.step)) say(index, step_event(index, step));
-        say(index, attempt_event(index, attempt));
-        print(order_.end(index));
-    }
-
-    void note(const std::string& text) override {
-        const std::lock_guard lock(mutex_);
-        print(line_of({{"event", "note"}, {"text", text}}));
-    }
-
-    void ends(const DaySummary& summary) override {
-        const std::lock_guard lock(mutex_);
-        print(order_.rest() + line_of(end_event(summary)));
-    }
-
-  private:
-    void say(std::size_t index, const Json& event) { print(order_.say(index, line_of(event))); }
-
-    std::map<std::size_t, std::set<std::string>> steps_said_;
-};
-
-bool terminal_is_dumb() {
-    const char* type = std::getenv("TERM");
-    return type == nullptr || *type == '\0' || std::string_view(type) == "dumb";
+template <class Writer>
+Progress progress_of(const ProgressOptions& options) {
+    return
+        [writer = std::make_shared<Writer>(options)](const Event& event) { writer->take(event); };
 }
 
 }  // namespace
 
-std::unique_ptr<Progress> make_progress(const ProgressOptions& options) {
-    if (options.style == ProgressStyle::json) return std::make_unique<JsonProgress>(options.to);
-    if (options.style == ProgressStyle::terminal && !terminal_is_dumb())
-        return make_terminal_progress(options);
-    return std::make_unique<PlainProgress>(options);
+Progress make_progress(const ProgressOptions& options) {
+    return options.style == ProgressStyle::terminal ? progress_of<TerminalWriter>(options)
+                                                    : progress_of<LineWriter>(options);
 }
 
 ProgressStyle progress_style_for(std::FILE* to) {
-    return isatty(fileno(to)) != 0 ? ProgressStyle::terminal : ProgressStyle::plain;
+    const bool moves = isatty(fileno(to)) != 0 && is_set("TERM") &&
+                       std::string_view(std::getenv("TERM")) != "dumb";
+    return moves ? ProgressStyle::terminal : ProgressStyle::plain;
+}
+
+std::map<std::string, double> seconds_of_steps(const std::filesystem::path& run_times) {
+    std::map<std::string, double> seconds;
+    try {
+        const YamlValue times(parse_yaml(read_file(run_times), run_times.string()),
+                              run_times.string());
+        for (const YamlValue& stage : times["stages"].list())
+            seconds[stage["stage"].text()] = stage["seconds"].real();
+    } catch (const Failure&) {
+        seconds.clear();
+    }
+    return seconds;
 }
 
 }  // namespace runcert

@@ -2,19 +2,14 @@
 
 #include <cstddef>
 #include <cstdio>
-#include <memory>
+#include <filesystem>
+#include <functional>
+#include <map>
 #include <string>
+#include <variant>
 #include <vector>
 
 namespace runcert {
-
-/// How a day's progress is shown.
-enum class ProgressStyle {
-    terminal,  ///< a line for each finished attempt; below, what runs, a bar and the time left
-    plain,     ///< a line for each finished attempt
-    quiet,     ///< only failures and the closing lines
-    json,      ///< one event a line, for programs
-};
 
 /// What became of one step of a run.
 struct StepReport {
@@ -46,37 +41,59 @@ struct DaySummary {
     std::vector<std::string> closing = {};  ///< lines, e.g. how to go on
 };
 
+struct AttemptBegins {
+    std::string id;
+};
+struct StepBegins {
+    std::string step;
+};
+/// The attempt is not run, and nothing is said of it.
+struct AttemptSkipped {};
+/// Lines for whoever looks on.
+struct Note {
+    std::string text;
+};
+
+/// Something that happens in a day. A report says that the step, the attempt or the day has ended.
+struct Event {
+    std::size_t attempt = 0;  ///< its place in the day, from 0; of a note and the day none
+    std::variant<AttemptBegins, StepBegins, StepReport, AttemptReport, AttemptSkipped, Note,
+                 DaySummary>
+        what;
+};
+
+/// Shows the events of a day as they come, from any thread. An attempt ends or is skipped at most
+/// once, and the day at the end. What is said of an attempt is held back until all before it have
+/// ended or were skipped, so that two calls give the same text but for times, whatever the order of
+/// finishing; notes are said at once. Texts may be anything: what would steer a terminal is taken
+/// out. What is still held back is said when the last copy of the function goes.
+using Progress = std::function<void(const Event& event)>;
+
+/// How a day's progress is shown.
+enum class ProgressStyle {
+    terminal,  ///< plain, and below a line that moves: how far it is, what runs, the time left
+    plain,     ///< a line for each finished attempt
+    quiet,     ///< only failures and the closing lines
+    json,      ///< one event a line, for programs
+};
+
+/// The style that suits a file: `terminal` for a terminal that can move its cursor, else `plain`.
+ProgressStyle progress_style_for(std::FILE* to);
+
 struct ProgressOptions {
     ProgressStyle style = ProgressStyle::plain;
-    bool explain = false;   ///< also a line for each step: why it ran or was kept
-    int columns = 80;       ///< a line's width; a terminal that says its own is believed
-    std::size_t total = 0;  ///< attempts
+    bool explain = false;      ///< also a line for each step: why it ran or was kept
+    std::size_t columns = 80;  ///< a line's width; a terminal that says its own is believed
+    std::size_t total = 0;     ///< attempts
     std::FILE* to = stdout;
+    /// Seconds that steps took before, by name, as far as known.
+    std::map<std::string, double> took = {};
 };
 
-/// Shows how the attempts of a day go. An attempt is named by its index, from 0 up to the total,
-/// and ends or is skipped at most once. What is said of an attempt is held back until all before it
-/// have ended or were skipped, so that two calls give the same text but for times, whatever the
-/// order of finishing; notes are said at once. Every function may be called from any thread. Texts
-/// may be anything: what would steer a terminal is taken out.
-class Progress {
-  public:
-    virtual ~Progress() = default;
-    virtual void attempt_begins(std::size_t index, const std::string& id) = 0;
-    virtual void step_begins(std::size_t index, const std::string& step) = 0;
-    virtual void step_ends(std::size_t index, const StepReport& step) = 0;
-    virtual void attempt_ends(std::size_t index, const AttemptReport& attempt) = 0;
-    /// The attempt is not run, and nothing is said of it.
-    virtual void attempt_skipped(std::size_t index) = 0;
-    virtual void note(const std::string& text) = 0;
-    /// The last call: says what was still held back, and the summary.
-    virtual void ends(const DaySummary& summary) = 0;
-};
+Progress make_progress(const ProgressOptions& options);
 
-/// `terminal` is shown as `plain` where TERM says that the terminal can do no more ("dumb").
-std::unique_ptr<Progress> make_progress(const ProgressOptions& options);
-
-/// The style that suits a file: `terminal` for a terminal, `plain` for any other.
-ProgressStyle progress_style_for(std::FILE* to);
+/// Seconds of each step in a run.yaml, by its name; none if there is no such file, or it cannot be
+/// read.
+std::map<std::string, double> seconds_of_steps(const std::filesystem::path& run_times);
 
 }  // namespace runcert

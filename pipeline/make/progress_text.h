@@ -1,41 +1,70 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 
 #include "make/progress.h"
 
-// What is said of attempts and days, as lines for people.
+// What is said of the events of a day, as text.
 
 namespace runcert {
 
-/// How the lines of a finished attempt are written.
-struct AttemptTextOptions {
-    /// The attempt's place in the day, from 0 (shown from 1), of `total`.
-    std::size_t index = 0;
-    std::size_t total = 0;
-    std::size_t columns = 80;  ///< the first line is cut to these
-    /// Says why each step ran or was kept.
-    bool explain = false;
-    bool colour = false;  ///< of the state, by ANSI sequences
+/// Says the events of a day as lines, for people or (in ASCII; bytes that are not UTF-8 become
+/// U+FFFD) of JSON. The texts of attempts that run side by side are brought into the order of the
+/// attempts: those of the first one that has not ended pass, those of later ones are held back.
+class EventLines {
+  public:
+    /// `colour`: of an attempt's state, by ANSI sequences.
+    explicit EventLines(const ProgressOptions& options, bool colour = false)
+        : options_(options), colour_(colour) {}
+    /// What may be said after an event: lines, each ended; that of an attempt is cut to the width.
+    std::string after(const Event& event, std::size_t columns);
+    /// All that is held back, in order; afterwards nothing is.
+    std::string rest();
+
+  private:
+    std::string for_people(const Event& event) const;
+    std::string json(const Event& event);
+
+    struct Attempt {
+        std::string held = {};
+        std::size_t steps_told = 0;
+        bool ended = false;
+    };
+    ProgressOptions options_;
+    bool colour_;
+    std::map<std::size_t, Attempt> attempts_;
+    std::size_t next_ = 0;  ///< the first attempt that has not ended
 };
 
-/// The steps of an attempt that ran.
-std::size_t steps_run(const AttemptReport& attempt);
+/// The line that moves. Times are seconds since any moment.
+class MovingLine {
+  public:
+    explicit MovingLine(const ProgressOptions& options)
+        : total_(options.total), took_(options.took) {}
+    void take(const Event& event, double now_s);
 
-/// The line of a finished attempt, cut to the width; below it, indented, why it failed, and with
-/// `explain` why each step ran or was kept. Each ends with a line end.
-std::string attempt_text(const AttemptReport& attempt, const AttemptTextOptions& options);
+    /// Of a day "12 of 40, 1 failed, 11 min 2 s left, 2.5 a minute; heat-3: smooth 3 s of about
+    /// 8 s, 2 more"; of one attempt "smooth 3 s of about 8 s". The pace is that of the attempts
+    /// that really ran: one of which everything was kept says nothing about those to come.
+    std::string text(double now_s) const;
 
-/// A note, as a line; more of them where it has line ends.
-std::string note_text(const std::string& note);
-
-/// How many attempts and steps there were, where the results are, and the closing lines.
-std::string summary_text(const DaySummary& summary);
-
-/// The closing lines alone.
-std::string closing_text(const DaySummary& summary);
+  private:
+    struct Running {
+        std::string id;
+        std::string step = "begins";
+        double since_s = 0.0;
+    };
+    std::size_t total_;
+    std::map<std::string, double> took_;  ///< seconds of a step the last time
+    std::map<std::size_t, Running> running_;
+    std::size_t ended_ = 0, failed_ = 0, ran_ = 0;
+    std::optional<double> began_s_;
+    double last_ended_s_ = 0.0;  ///< when the last of those that ran ended
+};
 
 /// Seconds as text, rounded to the last unit shown; negative ones as 0.
 /// 8.31 as "8.3 s", 754 as "12 min 34 s", 7500 as "2 h 5 min".

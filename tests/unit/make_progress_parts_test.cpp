@@ -1,9 +1,9 @@
 #include <gtest/gtest.h>
 
-#include <algorithm>
+#include <filesystem>
+#include <fstream>
 #include <string>
 
-#include "make/progress_parts.h"
 #include "make/progress_text.h"
 
 namespace runcert::RUNCERT_FILE {
@@ -12,48 +12,70 @@ namespace {
 const std::string chinese = "\xe8\xb5\x9b\xe8\xbd\xa6";  // two wide characters
 const std::string accented = "e\xcc\x81";                // one column, of two characters
 
-TEST(Frame, FitsEveryWidth) {
-    FrameContents contents{.total = 2000,
-                           .ended = 1234,
-                           .failed = 12,
-                           .runs_per_minute = 31.4,
-                           .seconds_left = 1480.0};
-    for (const std::string& id : {std::string("short"), std::string(200, 'x'), chinese,
-                                  chinese + chinese + chinese + chinese + chinese, accented})
-        contents.running.push_back({.id = id, .step = "smooth", .seconds = 12.9});
-    for (std::size_t columns = 1; columns < 120; ++columns)
-        for (const std::string& line : frame_lines(contents, {.columns = columns, .rows = 24}))
-            EXPECT_LT(columns_of(line), std::max<std::size_t>(columns, 2)) << line;
-    EXPECT_EQ(frame_lines(contents, {.columns = 80, .rows = 24}).back(),
-              "[##################............] 1234/2000, 12 failed, 31 runs/min, 25 min left");
-    EXPECT_EQ(frame_lines(contents, {.columns = 40, .rows = 24}).back(),
-              "1234/2000, 12 failed, 25 min left");
-    EXPECT_EQ(frame_lines(contents, {.columns = 80, .rows = 24})[0].substr(0, 8), "  short ");
+AttemptReport that_ran(const std::string& state, bool ran = true) {
+    return {
+        .id = "one", .state = state, .steps = {{.step = "smooth", .ran = ran, .seconds = 29.0}}};
 }
 
-TEST(Pace, IsThatOfTheAttemptsThatReallyRan) {
-    Pace pace;
-    EXPECT_FALSE(pace.seconds_left(10, 0.0));
+TEST(MovingLine, SaysHowFarHowFastAndHowLongYet) {
+    MovingLine line({.total = 40});
+    EXPECT_EQ(line.text(0.0), "0 of 40");
+    line.take({0, AttemptBegins{"heat-1"}}, 1.0);
+    EXPECT_EQ(line.text(1.5), "0 of 40; heat-1: begins 0 s");
+    line.take({1, AttemptBegins{"heat-" + chinese}}, 1.0);
+    line.take({0, StepBegins{"smooth"}}, 2.0);
+    EXPECT_EQ(line.text(5.9), "0 of 40; heat-1: smooth 3 s, 1 more");
+    line.take({0, StepReport{.step = "smooth", .ran = true, .seconds = 29.0}}, 31.0);
+    line.take({0, that_ran("failed")}, 31.0);
+    line.take({1, StepBegins{"smooth"}}, 31.0);
+    EXPECT_EQ(line.text(41.0), "1 of 40, 1 failed, 19 min 20 s left, 2.0 a minute; heat-" +
+                                   chinese + ": smooth 10 s of about 29 s");
+    for (std::size_t index = 2; index < 39; ++index)
+        line.take({index, AttemptSkipped{}}, 42.0);
+    line.take({1, that_ran("done")}, 61.0);
+    EXPECT_EQ(line.text(61.0), "39 of 40, 1 failed, 30 s left, 2.0 a minute");
+    // What takes longer than expected is not said to be over.
+    EXPECT_EQ(line.text(100.0), "39 of 40, 1 failed, 2.0 a minute");
+}
+
+TEST(MovingLine, ThePaceIsThatOfTheAttemptsThatReallyRan) {
+    MovingLine line({.total = 110});
     // A hundred that were kept take a second together.
-    for (std::size_t i = 0; i < 100; ++i) {
-        pace.begins(i, 0.01 * static_cast<double>(i));
-        pace.ends(i, false, 0.01 * static_cast<double>(i + 1));
+    for (std::size_t index = 0; index < 100; ++index) {
+        line.take({index, AttemptBegins{"kept"}}, 0.01 * static_cast<double>(index));
+        line.take({index, that_ran("done", false)}, 0.01 * static_cast<double>(index + 1));
     }
-    EXPECT_FALSE(pace.runs_per_minute(1.0));
-    EXPECT_FALSE(pace.seconds_left(10, 1.0));
+    EXPECT_EQ(line.text(1.0), "100 of 110");
     // Two side by side, 30 s each.
-    pace.begins(100, 0.0);
-    pace.begins(101, 0.0);
-    pace.ends(100, true, 30.0);
-    pace.ends(101, true, 30.0);
-    EXPECT_DOUBLE_EQ(*pace.runs_per_minute(60.0), 2.0);
-    EXPECT_DOUBLE_EQ(*pace.seconds_left(10, 60.0), 150.0);
-    // One of two has 10 s to go and the other takes longer than expected.
-    pace.begins(102, 60.0);
-    pace.begins(103, 10.0);
-    EXPECT_DOUBLE_EQ(*pace.seconds_left(10, 80.0), 155.0);
-    // With nothing waiting, what is left is the longest, not the half of it.
-    EXPECT_DOUBLE_EQ(*pace.seconds_left(0, 80.0), 10.0);
+    for (const std::size_t index : {100U, 101U})
+        line.take({index, AttemptBegins{"ran"}}, 1.0);
+    for (const std::size_t index : {100U, 101U})
+        line.take({index, that_ran("done")}, 30.0);
+    EXPECT_EQ(line.text(60.0), "102 of 110, 90 s left, 4.0 a minute");
+}
+
+TEST(MovingLine, OfOneAttemptSaysTheStepAndHowLongItTookBefore) {
+    MovingLine line({.took = {{"smooth", 8.2}, {"enu", 0.1}}});
+    EXPECT_EQ(line.text(0.0), "");
+    line.take({.what = StepBegins{"enu"}}, 1.0);
+    line.take({.what = Note{"import 281 epochs"}}, 1.0);
+    EXPECT_EQ(line.text(1.0), "enu 0 s");
+    line.take({.what = StepBegins{"smooth"}}, 1.0);
+    EXPECT_EQ(line.text(4.5), "smooth 3 s of about 8 s");
+    line.take({.what = StepBegins{"x\x1b[2J"}}, 5.0);
+    EXPECT_EQ(line.text(5.0), "x\xef\xbf\xbd[2J 0 s");
+}
+
+TEST(SecondsOfSteps, AreThoseOfTheRunBeforeIfItCanBeRead) {
+    const auto file = std::filesystem::path(testing::TempDir()) / "times-of-steps.yaml";
+    std::ofstream(file) << "stages:\n- {stage: smooth, seconds: 8.2}\n"
+                           "- {stage: report, seconds: 3}\n";
+    EXPECT_EQ(seconds_of_steps(file),
+              (std::map<std::string, double>{{"smooth", 8.2}, {"report", 3.0}}));
+    std::ofstream(file) << "stages:\n- {stage: smooth, seconds: 8.2}\n- {stage: enu}\n";
+    EXPECT_TRUE(seconds_of_steps(file).empty());
+    std::filesystem::remove(file);
+    EXPECT_TRUE(seconds_of_steps(file).empty());
 }
 
 TEST(TerminalText, KnowsTheColumnsOfCharacters) {

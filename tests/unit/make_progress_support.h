@@ -53,17 +53,17 @@ inline AttemptReport report_of(std::size_t index) {
 }
 
 /// Tells all of an attempt.
-inline void tell(Progress& progress, std::size_t index) {
+inline void tell(const Progress& progress, std::size_t index) {
     if (index % 7 == 6) {
-        progress.attempt_skipped(index);
+        progress({index, AttemptSkipped{}});
         return;
     }
-    progress.attempt_begins(index, id_of(index));
+    progress({index, AttemptBegins{id_of(index)}});
     for (const StepReport& step : report_of(index).steps) {
-        progress.step_begins(index, step.step);
-        progress.step_ends(index, step);
+        progress({index, StepBegins{step.step}});
+        progress({index, step});
     }
-    progress.attempt_ends(index, report_of(index));
+    progress({index, report_of(index)});
 }
 
 inline DaySummary day_of(std::size_t attempts) {

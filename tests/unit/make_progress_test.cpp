@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "make/progress.h"
-#include "make/progress_parts.h"
+#include "make/progress_text.h"
 #include "make_progress_support.h"
 
 namespace runcert::RUNCERT_FILE {
@@ -20,11 +20,12 @@ using test::Output;
 using test::report_of;
 using test::tell;
 
-std::string shown(ProgressOptions options, const std::function<void(Progress&)>& work) {
+std::string shown(ProgressOptions options, const std::function<void(const Progress&)>& work) {
     const Output output;
     options.to = output.file();
-    const auto progress = make_progress(options);
-    work(*progress);
+    Progress progress = make_progress(options);
+    work(progress);
+    progress = nullptr;
     return output.text();
 }
 
@@ -37,7 +38,7 @@ std::vector<std::string> lines_of(const std::string& text) {
 }
 
 /// Attempts in a random order and side by side in threads.
-void tell_all(Progress& progress, std::size_t total, unsigned seed) {
+void tell_all(const Progress& progress, std::size_t total, unsigned seed) {
     std::vector<std::size_t> order(total);
     for (std::size_t i = 0; i < total; ++i)
         order[i] = i;
@@ -51,14 +52,14 @@ void tell_all(Progress& progress, std::size_t total, unsigned seed) {
         });
     for (std::thread& thread : threads)
         thread.join();
-    progress.ends(day_of(total));
+    progress({.what = day_of(total)});
 }
 
 TEST(PlainProgress, OneLineForEachAttempt) {
-    const std::string text = shown({.columns = 200, .total = 6}, [](Progress& progress) {
+    const std::string text = shown({.columns = 200, .total = 6}, [](const Progress& progress) {
         for (const std::size_t index : {4U, 1U, 0U})
             tell(progress, index);
-        progress.ends(day_of(6));
+        progress({.what = day_of(6)});
     });
     EXPECT_EQ(text,
               "[1/6] attempt-0  done  0 of 2 steps ran  2.0 s  nalsa: beaten by 1.25 km/h; fisly: "
@@ -75,7 +76,7 @@ TEST(PlainProgress, OneLineForEachAttempt) {
 
 TEST(PlainProgress, ExplainsEachStep) {
     const std::string text =
-        shown({.explain = true, .columns = 40, .total = 2}, [](Progress& progress) {
+        shown({.explain = true, .columns = 40, .total = 2}, [](const Progress& progress) {
             tell(progress, 0);
             tell(progress, 1);
         });
@@ -91,21 +92,21 @@ TEST(PlainProgress, ExplainsEachStep) {
 TEST(PlainProgress, HoldsBackUntilThoseBeforeHaveEnded) {
     const Output output;
     const auto progress = make_progress({.total = 3, .to = output.file()});
-    tell(*progress, 2);
-    tell(*progress, 1);
+    tell(progress, 2);
+    tell(progress, 1);
     EXPECT_EQ(output.text(), "");
-    progress->note("waiting for process 4711");
+    progress({.what = Note{"waiting for process 4711"}});
     EXPECT_EQ(output.text(), "waiting for process 4711\n");
-    progress->attempt_skipped(0);
+    progress({0, AttemptSkipped{}});
     EXPECT_EQ(lines_of(output.text()).size(), 3U);
 }
 
 TEST(QuietProgress, SaysFailuresAndTheClosingLines) {
-    const auto work = [](Progress& progress) {
+    const auto work = [](const Progress& progress) {
         for (std::size_t index = 0; index < 6; ++index)
             tell(progress, index);
-        progress.note("a note");
-        progress.ends(day_of(6));
+        progress({.what = Note{"a note"}});
+        progress({.what = day_of(6)});
     };
     EXPECT_EQ(shown({.style = ProgressStyle::quiet, .total = 6}, work),
               "[5/6] attempt-4  failed  1 of 2 steps ran  2.0 s\n"
@@ -118,14 +119,14 @@ TEST(Progress, TheTextIsTheSameWhateverTheOrderOfFinishing) {
     for (const ProgressStyle style :
          {ProgressStyle::plain, ProgressStyle::quiet, ProgressStyle::json}) {
         const ProgressOptions options{.style = style, .explain = true, .total = 40};
-        const std::string in_order = shown(options, [](Progress& progress) {
+        const std::string in_order = shown(options, [](const Progress& progress) {
             for (std::size_t index = 0; index < 40; ++index)
                 tell(progress, index);
-            progress.ends(day_of(40));
+            progress({.what = day_of(40)});
         });
         EXPECT_GT(lines_of(in_order).size(), 8U);
         for (unsigned seed = 0; seed < 50; ++seed)
-            ASSERT_EQ(shown(options, [&](Progress& p) { tell_all(p, 40, seed); }), in_order)
+            ASSERT_EQ(shown(options, [&](const Progress& p) { tell_all(p, 40, seed); }), in_order)
                 << "seed " << seed;
     }
 }
@@ -135,11 +136,11 @@ TEST(Progress, NothingThatEndedIsLostWhereOneBeforeItNeverEnds) {
         for (const ProgressStyle style : {ProgressStyle::plain, ProgressStyle::json}) {
             const Output output;
             auto progress = make_progress({.style = style, .total = 5, .to = output.file()});
-            progress->attempt_begins(0, "attempt-0");
-            tell(*progress, 3);
-            tell(*progress, 1);
-            if (says_the_end) progress->ends(day_of(5));
-            progress.reset();
+            progress({0, AttemptBegins{"attempt-0"}});
+            tell(progress, 3);
+            tell(progress, 1);
+            if (says_the_end) progress({.what = day_of(5)});
+            progress = nullptr;
             const std::string text = output.text();
             EXPECT_LT(text.find("attempt-1"), text.find("attempt-3"));
             EXPECT_NE(text.find("attempt-3"), std::string::npos);
@@ -148,11 +149,11 @@ TEST(Progress, NothingThatEndedIsLostWhereOneBeforeItNeverEnds) {
 
 TEST(JsonProgress, EachLineIsAnEvent) {
     const std::string text =
-        shown({.style = ProgressStyle::json, .total = 6}, [](Progress& progress) {
+        shown({.style = ProgressStyle::json, .total = 6}, [](const Progress& progress) {
             tell(progress, 1);
             tell(progress, 0);
-            progress.note("a \"note\"\n\x1b[31m\xff");
-            progress.ends(day_of(6));
+            progress({.what = Note{"a \"note\"\n\x1b[31m\xff"}});
+            progress({.what = day_of(6)});
         });
     std::vector<nlohmann::json> events;
     for (const std::string& line : lines_of(text))
@@ -179,11 +180,11 @@ TEST(JsonProgress, WhatIsNextIsSaidAtOnce) {
     const Output output;
     const auto progress =
         make_progress({.style = ProgressStyle::json, .total = 2, .to = output.file()});
-    progress->attempt_begins(1, "b");
+    progress({1, AttemptBegins{"b"}});
     EXPECT_EQ(output.text(), "");
-    progress->attempt_begins(0, "a");
+    progress({0, AttemptBegins{"a"}});
     EXPECT_EQ(lines_of(output.text()).size(), 1U);
-    progress->attempt_ends(0, report_of(0));
+    progress({0, report_of(0)});
     // The two steps that were only reported at the end, the attempt, and what was held back.
     EXPECT_EQ(lines_of(output.text()).size(), 5U);
 }
@@ -197,14 +198,14 @@ TEST(Progress, TextFromOutsideSteersNoTerminal) {
     report.state = nasty;
     for (const ProgressStyle style : {ProgressStyle::plain, ProgressStyle::json}) {
         const std::string text =
-            shown({.style = style, .explain = true, .columns = 400}, [&](Progress& progress) {
-                progress.attempt_begins(0, nasty);
-                progress.attempt_ends(0, report);
-                progress.note(nasty);
+            shown({.style = style, .explain = true, .columns = 400}, [&](const Progress& progress) {
+                progress({0, AttemptBegins{nasty}});
+                progress({0, report});
+                progress({.what = Note{nasty}});
                 DaySummary day = day_of(1);
                 day.results = nasty;
                 day.closing = {nasty};
-                progress.ends(day);
+                progress({.what = day});
             });
         EXPECT_NE(text.find("[2J"), std::string::npos);
         for (const char* bad : {"\x1b", "\x07", "\r", "\xe2\x80\xae", "\xff"})
@@ -212,17 +213,28 @@ TEST(Progress, TextFromOutsideSteersNoTerminal) {
     }
 }
 
-TEST(ReportOrder, PassesWhatIsFirstAndHoldsBackTheRest) {
-    ReportOrder order;
-    EXPECT_EQ(order.say(1, "b1"), "");
-    EXPECT_EQ(order.say(0, "a1"), "a1");
-    EXPECT_EQ(order.end(1), "");
-    EXPECT_EQ(order.say(2, "c1"), "");
-    EXPECT_EQ(order.end(0), "b1c1");
-    EXPECT_EQ(order.say(2, "c2"), "c2");
-    EXPECT_EQ(order.say(4, "e"), "");
-    EXPECT_EQ(order.rest(), "e");
-    EXPECT_EQ(order.rest(), "");
+TEST(EventLines, PassWhatIsFirstAndHoldBackTheRest) {
+    EventLines lines({.style = ProgressStyle::json});
+    // An attempt by its letter, and of it the number of the step that has ended.
+    const auto after = [&](const Event& event) {
+        std::string said;
+        for (const std::string& line : lines_of(lines.after(event, 80))) {
+            const nlohmann::json what = nlohmann::json::parse(line);
+            said += what.contains("index") ? "abcdefg"[what["index"].get<std::size_t>()] : '-';
+            said += what.contains("step") ? what["step"].get<std::string>() : "";
+        }
+        return said;
+    };
+    EXPECT_EQ(after({1, StepReport{.step = "1"}}), "");
+    EXPECT_EQ(after({0, StepReport{.step = "1"}}), "a1");
+    EXPECT_EQ(after({1, AttemptReport{.id = "b", .state = "done"}}), "");
+    EXPECT_EQ(after({2, StepReport{.step = "1"}}), "");
+    EXPECT_EQ(after({0, AttemptSkipped{}}), "b1bc1");
+    EXPECT_EQ(after({2, StepReport{.step = "2"}}), "c2");
+    EXPECT_EQ(after({4, StepReport{.step = "1"}}), "");
+    EXPECT_EQ(after({.what = Note{}}), "-");
+    EXPECT_EQ(after({.what = DaySummary{}}), "e1-");
+    EXPECT_EQ(lines.rest(), "");
 }
 
 }  // namespace

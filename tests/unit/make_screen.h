@@ -44,6 +44,7 @@ class Screen {
                 at = end + 1;
             } else if (c == '\r') {
                 cell_ = row() * width_;
+                is_behind_ = false;
                 ++at;
             } else if (c == '\n') {
                 down();
@@ -80,9 +81,10 @@ class Screen {
     bool cursor_is_at_the_left() const { return cell_ == 0; }
 
   private:
-    /// The row of the cursor in its line. Behind the last column it is still on the row.
+    /// The row of the cursor in its line. Behind the last column, where it is after a character
+    /// there, it is still on the row.
     std::size_t row() const {
-        return cell_ > 0 && cell_ % width_ == 0 ? cell_ / width_ - 1 : cell_ / width_;
+        return is_behind_ && cell_ % width_ == 0 ? cell_ / width_ - 1 : cell_ / width_;
     }
     void up() {
         if (row() > 0) {
@@ -98,6 +100,7 @@ class Screen {
     void down() {
         if (++line_ == lines_.size()) lines_.emplace_back();
         cell_ = 0;
+        is_behind_ = false;
     }
     void erase_below() {
         lines_[line_].resize(std::min(lines_[line_].size(), cell_));
@@ -116,12 +119,14 @@ class Screen {
         line[cell_] = character;
         if (wide) line[cell_ + 1] = "";
         cell_ += columns;
+        is_behind_ = true;
     }
 
     std::size_t width_;
     std::vector<std::vector<std::string>> lines_{1};
     std::size_t line_ = 0;
     std::size_t cell_ = 0;
+    bool is_behind_ = false;  ///< a character
 };
 
 /// A terminal of the system whose other end is read into a Screen.

@@ -74,7 +74,7 @@ AttemptResult read_done(const DayOutcome& of, const fs::path& out, DayResults& r
     const std::string verdict_sha256 = results.header.inputs.back().sha256;
     ReportIdentity report =
         read_report_identity(text_of("report.json", "report"), (run_dir / "report.json").string());
-    std::vector<std::string> answers = attestation_names(run_dir);
+    std::set<std::string> answers = attestation_names(run_dir);
     std::erase_if(answers,
                   [&](const std::string& name) { return !fs::is_regular_file(run_dir / name); });
     for (const std::string& name : answers)

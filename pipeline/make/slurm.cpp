@@ -142,10 +142,10 @@ std::size_t most_tasks() {
 }
 
 std::size_t tasks_for(std::size_t runs, std::size_t most) {
-    // A run takes seconds: fifty of them take minutes.
-    constexpr std::size_t few = 50, longest = 50;
-    const std::size_t share = std::clamp<std::size_t>(runs / few, 1, longest);
-    return std::min((runs + share - 1) / share, most);
+    // A task begins by reading the whole day, of ten thousand attempts in seconds, and a run takes
+    // seconds: fifty of them take minutes.
+    constexpr std::size_t few = 200, longest = 50;
+    return std::min({runs, std::max(few, (runs + longest - 1) / longest), most});
 }
 
 std::string job_at_work(const std::string& name) {

@@ -23,8 +23,8 @@ std::size_t most_tasks(const std::string& configuration);
 /// install), and where its controller does not answer (in its words).
 std::size_t most_tasks();
 
-/// How many tasks, at most so many, are to share some runs: one for each of a few; of many so many
-/// that a task lasts minutes.
+/// How many tasks, at most so many, are to share some runs: one for each of a few hundred; of more
+/// so many that a task lasts minutes.
 std::size_t tasks_for(std::size_t runs, std::size_t most);
 
 /// What is to be submitted.

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <set>
 #include <string>
 
 #include "batch_crash_support.h"
@@ -51,7 +52,11 @@ class SlurmDay : public testing::Test {
             count += fs::exists(out / fmt::format("run-{:04}", i) / "report.json") ? 1 : 0;
         return count;
     }
-    static std::string jobs() { return run_process({"squeue", "--noheader"}).output; }
+    /// Ids of the arrays that wait or run.
+    static std::set<std::string> jobs() {
+        const auto ids = lines_of(run_process({"squeue", "--noheader", "--format=%F"}).output);
+        return {ids.begin(), ids.end()};
+    }
     std::string page() const { return read_file(out / "day.html"); }
 
     /// Twice as many as run at once: some are done, some run and some wait when a node fails.
@@ -76,11 +81,12 @@ TEST_F(SlurmDay, EndsWithTheBytesOfALocalRunThoughANodeFails) {
     cluster.take_down("n2");
     EXPECT_EQ(here(out, {"--status"}).exit_status, 1) << "not all is done";
 
-    const std::string before = run_process({"squeue", "--noheader", "--format=%F"}).output;
+    const auto before = jobs();
+    EXPECT_EQ(before.size(), 1U);
     const ProcessResult second = submitted();
     EXPECT_EQ(second.exit_status, 2);
     EXPECT_TRUE(holds(second.errors, "of an earlier call is at work on this day")) << second.errors;
-    EXPECT_EQ(run_process({"squeue", "--noheader", "--format=%F"}).output, before);
+    EXPECT_EQ(jobs(), before);
 
     let_go();
     ASSERT_TRUE(holds_within(1200, [&] { return first.has_ended(); })) << first.output();
@@ -128,7 +134,7 @@ TEST_F(SlurmDay, ACallThatIsKilledLeavesTheArrayAtWork) {
         first.send(SIGKILL);
         EXPECT_EQ(first.exit_status(), 128 + SIGKILL);
     }
-    EXPECT_NE(jobs(), "");
+    EXPECT_EQ(jobs().size(), 1U);
     const ProcessResult second = submitted();
     EXPECT_EQ(second.exit_status, 2) << second.output;
     EXPECT_TRUE(holds(second.errors, "earlier call")) << second.errors;
@@ -146,8 +152,7 @@ TEST_F(SlurmDay, OfACancelledArrayThePageSaysWhatIsNotDone) {
     hold_up();
     Started first(on_cluster(), log);
     ASSERT_TRUE(holds_within(600, [&] { return done() == 2; })) << first.output();
-    std::string ids = run_process({"squeue", "--noheader", "--format=%F"}).output;
-    run_process({"scancel", ids.substr(0, ids.find('\n'))});
+    run_process({"scancel", *jobs().begin()});
     EXPECT_EQ(first.exit_status(), 2) << first.output();
     EXPECT_TRUE(holds(page(), "it was not run to its end")) << first.output();
     EXPECT_TRUE(holds(read_file(out / "day.yaml"), "it was not run to its end"));

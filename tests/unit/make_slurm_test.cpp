@@ -163,6 +163,15 @@ TEST(SlurmLimits, AreReadFromTheConfiguration) {
         EXPECT_TRUE(failure_of([&] { most_tasks(none); }).contains("no job arrays"));
 }
 
+TEST(SlurmLimits, BoundTheTasks) {
+    EXPECT_EQ(tasks_for(1, 1001), 1U);
+    EXPECT_EQ(tasks_for(200, 1001), 200U);
+    EXPECT_EQ(tasks_for(2000, 1001), 200U);
+    EXPECT_EQ(tasks_for(20'001, 1001), 401U);
+    EXPECT_EQ(tasks_for(1'000'000, 1001), 1001U);
+    EXPECT_EQ(tasks_for(40, 13), 13U);
+}
+
 TEST(SlurmArgs, AreSplitAsAShellDoes) {
     setenv("LAKE", "salt", 1);
     EXPECT_EQ(

@@ -38,11 +38,10 @@ class SlurmDay : public testing::Test {
 
     /// All but two attempts wait in their first stage until they may go on.
     void hold_up() const {
-        programs.replace(
-            "runcert-import",
-            fmt::format("case \"$*\" in *run-000[12]*) ;; *)\n"
-                        "while [ ! -e '{}' ]; do sleep 0.05; done ;; esac\nexec {} \"$@\"",
-                        go.string(), Programs::real("runcert-import")));
+        programs.replace("runcert-import",
+                         fmt::format("grep -q 'the attempt run-000[12][.]' \"$2\" ||\n"
+                                     "while [ ! -e '{}' ]; do sleep 0.05; done\nexec {} \"$@\"",
+                                     go.string(), Programs::real("runcert-import")));
     }
     void let_go() const { write_file_atomically(go, ""); }
 
@@ -74,7 +73,7 @@ class SlurmDay : public testing::Test {
 TEST_F(SlurmDay, EndsWithTheBytesOfALocalRunThoughANodeFails) {
     hold_up();
     Started first(on_cluster(), log);
-    ASSERT_TRUE(holds_within(600, [&] { return done() == 2 && cluster.runs_on("n2"); }))
+    ASSERT_TRUE(holds_within(120, [&] { return done() == 2 && cluster.runs_on("n2"); }))
         << first.output();
     EXPECT_TRUE(holds(first.output(), fmt::format("{0} runs to be made by {0} tasks", attempts)))
         << first.output();
@@ -89,7 +88,7 @@ TEST_F(SlurmDay, EndsWithTheBytesOfALocalRunThoughANodeFails) {
     EXPECT_EQ(jobs(), before);
 
     let_go();
-    ASSERT_TRUE(holds_within(1200, [&] { return first.has_ended(); })) << first.output();
+    ASSERT_TRUE(holds_within(240, [&] { return first.has_ended(); })) << first.output();
     EXPECT_EQ(first.exit_status(), 0) << first.output();
     EXPECT_EQ(cluster.count_nodes("down"), 1U);
     const ProcessResult result = here(local);
@@ -130,7 +129,7 @@ TEST_F(SlurmDay, ACallThatIsKilledLeavesTheArrayAtWork) {
     hold_up();
     {
         Started first(on_cluster(), log);
-        ASSERT_TRUE(holds_within(600, [&] { return done() == 2; })) << first.output();
+        ASSERT_TRUE(holds_within(120, [&] { return done() == 2; })) << first.output();
         first.send(SIGKILL);
         EXPECT_EQ(first.exit_status(), 128 + SIGKILL);
     }
@@ -139,7 +138,7 @@ TEST_F(SlurmDay, ACallThatIsKilledLeavesTheArrayAtWork) {
     EXPECT_EQ(second.exit_status, 2) << second.output;
     EXPECT_TRUE(holds(second.errors, "earlier call")) << second.errors;
     let_go();
-    ASSERT_TRUE(holds_within(1200, [&] { return jobs().empty(); }));
+    ASSERT_TRUE(holds_within(240, [&] { return jobs().empty(); }));
     EXPECT_FALSE(fs::exists(out / "day.html"));
     const ProcessResult third = submitted();
     EXPECT_EQ(third.exit_status, 0) << third.errors << third.output;
@@ -151,7 +150,7 @@ TEST_F(SlurmDay, ACallThatIsKilledLeavesTheArrayAtWork) {
 TEST_F(SlurmDay, OfACancelledArrayThePageSaysWhatIsNotDone) {
     hold_up();
     Started first(on_cluster(), log);
-    ASSERT_TRUE(holds_within(600, [&] { return done() == 2; })) << first.output();
+    ASSERT_TRUE(holds_within(120, [&] { return done() == 2; })) << first.output();
     run_process({"scancel", *jobs().begin()});
     EXPECT_EQ(first.exit_status(), 2) << first.output();
     EXPECT_TRUE(holds(page(), "it was not run to its end")) << first.output();

@@ -14,7 +14,6 @@
 #include "make/interrupts.h"
 #include "make/slurm.h"
 #include "run/staging_folder.h"
-#include "store/atomic_file.h"
 #include "store/external_program.h"
 #include "store/sha256.h"
 #include "store/user_state.h"
@@ -77,7 +76,7 @@ int run_selected(const BatchOrder& order, const Day& day, const std::vector<bool
         [&](Interruption wanted, int) { note(interruption_words(wanted)); });
     const auto lock =
         lock_day(order.out, work == Work::share ? LockKind::shared : LockKind::exclusive,
-                 order.wait, interrupts.finish());
+                 order.wait || work == Work::looked_at, interrupts.finish());
     if (!lock) {
         progress({.what = DaySummary{.closing = {"Interrupted while waiting for another batch."}}});
         return 2;
@@ -85,7 +84,7 @@ int run_selected(const BatchOrder& order, const Day& day, const std::vector<bool
     if (!lock->left_by().empty())
         note("the batch before this one was ended in its midst (" + lock->left_by() +
              "): going on from there");
-    if (work == Work::whole) clear_abandoned(Folder(order.out));
+    if (work != Work::share) clear_abandoned(Folder(order.out));
     for (const std::string& text : day.notes)
         note(text);
     if (std::string missing = missing_state(); !missing.empty()) note(missing);
@@ -129,30 +128,27 @@ std::vector<std::string> with(std::vector<std::string> words,
 }
 
 /// `PROGRAM batch DAY... --out OUT` for another machine: the running program and absolute paths.
-std::vector<std::string> batch_command(const BatchOrder& order) {
+std::vector<std::string> batch_command(const BatchOrder& order,
+                                       const std::vector<std::string>& only) {
     std::vector<std::string> words{fs::read_symlink("/proc/self/exe").string(), "batch"};
     for (const fs::path& path : order.day)
         words.push_back(fs::absolute(path).string());
-    for (const std::string& pattern : order.only)
+    for (const std::string& pattern : only)
         words.insert(words.end(), {"--only", pattern});
     return with(words, {"--out", fs::absolute(order.out).string()});
 }
 
-/// The array of the day's runs that are not done; nothing where all are.
-std::optional<ArrayJob> planned(const BatchOrder& order, const Day& day,
-                                const std::vector<bool>& selected) {
+/// The ids of the selected attempts that are not done.
+std::vector<std::string> ids_to_do(const BatchOrder& order, const Day& day,
+                                   const std::vector<bool>& selected) {
+    // A batch on this folder would keep the tasks out.
+    const auto lock = lock_day(order.out, LockKind::exclusive, order.wait, {});
     const std::vector<RunState> states = inspect_day(day, order.out, order.making, order.jobs);
-    std::size_t to_do = 0;
+    std::vector<std::string> ids;
     for (std::size_t i = 0; i < states.size(); ++i)
-        if (selected[i] && !day.attempts[i].refused && !states[i].complete) ++to_do;
-    if (to_do == 0) return std::nullopt;
-    constexpr std::size_t digits = 8;
-    const std::string out = fs::weakly_canonical(fs::absolute(order.out)).string();
-    fmt::print("{} to be made\n", counted(static_cast<std::int64_t>(to_do), "run"));
-    return ArrayJob{
-        .name = fmt::format("runcert-{}-{}", day.name, sha256_hex(out).substr(0, digits)),
-        .tasks = tasks_for(to_do, array_limits()),
-        .folder = fs::absolute(order.out / batch_folder / "slurm")};
+        if (selected[i] && !day.attempts[i].refused && !states[i].complete)
+            ids.push_back(day.attempts[i].id);
+    return ids;
 }
 
 }  // namespace
@@ -166,34 +162,45 @@ int run_share(const BatchOrder& order, const Share& share) {
     if (const std::string missing = missing_state(); !missing.empty())
         throw Failure("--share", missing,
                       "Set XDG_STATE_HOME to a folder of this user's that the computers share");
-    const Day day = read_day(order.day, order.out);
-    std::vector<bool> selected = chosen_of(day, order.only);
-    std::size_t place = 0;
-    for (std::size_t i = 0; i < selected.size(); ++i)
-        if (selected[i]) selected[i] = place++ % share.of == share.part;
-    return run_selected(order, day, selected, Work::share);
+    Day day = read_day(order.day, order.out);
+    const std::vector<bool> chosen = chosen_of(day, order.only);
+    std::vector<DayAttempt> own;  // the others are not even looked at
+    for (std::size_t i = 0, place = 0; i < chosen.size(); ++i)
+        if (chosen[i] && place++ % share.of == share.part)
+            own.push_back(std::move(day.attempts[i]));
+    day.attempts = std::move(own);
+    return run_selected(order, day, std::vector<bool>(day.attempts.size(), true), Work::share);
 }
 
 int run_on_cluster(const BatchOrder& order, const std::vector<std::string>& task_options,
                    const std::vector<std::string>& slurm_args) {
+    const std::size_t most = most_tasks();
     const Day day = read_day(order.day, order.out);
     const std::vector<bool> selected = chosen_of(day, order.only);
-    make_directory(order.out);
-    if (auto job = planned(order, day, selected)) {
-        job->command = with(batch_command(order), task_options);
-        job->slurm_args = slurm_args;
-        if (const std::string id = job_at_work(*job); !id.empty())
-            throw Failure("Slurm",
-                          fmt::format("job {} of an earlier call is at work on this day", id),
-                          fmt::format("Wait until it has ended (squeue --me shows it), or end it "
-                                      "with scancel {}; then give this command again",
-                                      id));
-        fmt::print(
-            "{} as {}. They go on if this call ends; the same command then goes on from "
-            "what is done\n",
-            counted(static_cast<std::int64_t>(job->tasks), "task"), job->name);
-        std::fflush(stdout);
-        run_array(*job);
+    constexpr std::size_t digits = 8;
+    const std::string out = fs::weakly_canonical(fs::absolute(order.out)).string();
+    ArrayJob job{.name = fmt::format("runcert-{}-{}", day.name, sha256_hex(out).substr(0, digits)),
+                 .folder = fs::absolute(order.out / batch_folder / "slurm"),
+                 .slurm_args = slurm_args};
+    if (const std::string id = job_at_work(job.name); !id.empty())
+        throw Failure("Slurm", fmt::format("job {} of an earlier call is at work on this day", id),
+                      fmt::format("Wait until it has ended (squeue --me shows it), or end it with "
+                                  "scancel {}; then give this command again",
+                                  id));
+    if (const std::vector<std::string> to_do = ids_to_do(order, day, selected); !to_do.empty()) {
+        // Shares of the whole day may leave some tasks more of a rest than others: few are named.
+        constexpr std::size_t few = 1000;  // in a word, of which Linux takes 128 KiB
+        job.tasks = tasks_for(to_do.size(), most);
+        job.command =
+            with(batch_command(order, to_do.size() <= few ? to_do : order.only), task_options);
+        ProgressOptions plain = order.progress;
+        if (plain.style == ProgressStyle::terminal) plain.style = ProgressStyle::plain;
+        make_progress(plain)->note(fmt::format(
+            "{} to be made by {}, {}. They go on if this call ends; the same command then goes on "
+            "from what is done.",
+            counted(static_cast<std::int64_t>(to_do.size()), "run"),
+            counted(static_cast<std::int64_t>(job.tasks), "task"), job.name));
+        run_array(job);
     }
     return run_selected(order, day, selected, Work::looked_at);
 }

@@ -21,7 +21,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* report_name = "report.json";
-constexpr const char* staged_name = "run";
 
 /// The lock of a folder, where nobody has it.
 std::optional<FileDescriptor> locked(const Folder& folder) {
@@ -192,7 +191,7 @@ StagingFolder::StagingFolder(Place place)
         own_ = around().make(own_name_);
         if (auto lock = locked(*own_)) own_lock_ = std::move(*lock);
     } while (!around().has(own_->number(), own_name_));
-    staged_ = own_->make(staged_name);
+    staged_ = own_->make(name_);  // by which a program of a stage is told from others
 }
 
 StagingFolder::~StagingFolder() {
@@ -222,7 +221,7 @@ void StagingFolder::publish() {
     // A folder that the user made in it meanwhile has it replaced in place.
     if (!inside_ && may_be_exchanged(*run_, parent_)) {
         take_permissions(*run_, *staged_);
-        if (own_->exchange(staged_name, parent_, name_)) return parent_.sync();
+        if (own_->exchange(name_, parent_, name_)) return parent_.sync();
     }
     put_in_place(*staged_, *run_);
 }

@@ -37,7 +37,8 @@ inline bool holds(const std::string& text, std::string_view part) {
 inline std::map<std::string, std::string> results_of(const fs::path& out) {
     std::map<std::string, std::string> results = contents_of(out);
     std::erase_if(results, [](const auto& file) {
-        return file.first.starts_with(".runcert/") || file.first.ends_with("/run.yaml");
+        return file.first.starts_with(".runcert/") || file.first.ends_with("/run.yaml") ||
+               file.first.find("/superseded/") != std::string::npos;
     });
     return results;
 }

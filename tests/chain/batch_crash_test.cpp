@@ -243,9 +243,7 @@ TEST_F(HeldDay, ASecondBatchSaysWhoHasItOrWaits) {
         << second.errors;
     EXPECT_TRUE(holds(second.errors, "--wait"));
 
-    const fs::path ids = day.folder.path() / "ids";
-    std::ofstream(ids) << "run-0001\n";
-    const ProcessResult share = day.batch({"--share", "0/1", "--pending", ids.string()});
+    const ProcessResult share = day.batch({"--share", "0/1"});
     EXPECT_EQ(share.exit_status, 2);
     EXPECT_TRUE(holds(share.errors, "Another batch is at work")) << share.errors;
 
@@ -274,9 +272,7 @@ TEST_F(HeldDay, AWaitThatIsInterruptedLeavesAllToTheOther) {
 }
 
 TEST_F(HeldDay, ABatchLeavesAShareAtWorkAlone) {
-    const fs::path ids = day.folder.path() / "ids";
-    std::ofstream(ids) << "run-0001\nrun-0002\nrun-0003\n";
-    Started share(command({"--share", "0/1", "--pending", ids.string()}), log);
+    Started share(command({"--share", "0/1"}), log);
     wait_until_held();
     const ProcessResult second = day.batch();
     EXPECT_EQ(second.exit_status, 2);
@@ -284,8 +280,10 @@ TEST_F(HeldDay, ABatchLeavesAShareAtWorkAlone) {
         << second.errors;
     let_go();
     EXPECT_EQ(share.exit_status(), 0) << share.output();
-    const ProcessResult gathered = run_process(command({"--gather"}));
-    EXPECT_EQ(gathered.exit_status, 0) << gathered.errors;
+    EXPECT_FALSE(fs::exists(day.out / "day.html"));
+    const ProcessResult after = day.batch();
+    EXPECT_EQ(after.exit_status, 0) << after.errors;
+    EXPECT_EQ(events_in(after.output).back().at("steps_run"), 0);
     EXPECT_EQ(day.differing(), Words{});
 }
 

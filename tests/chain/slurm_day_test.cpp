@@ -4,29 +4,15 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <map>
+#include <set>
 #include <string>
 
 #include "batch_crash_support.h"
 #include "draws.h"
-#include "make/slurm.h"
 #include "slurm_support.h"
 
 namespace runcert::chain::RUNCERT_FILE {
 namespace {
-
-void expect_same(const fs::path& cluster, const fs::path& local) {
-    const auto made = results_of(cluster);
-    const auto expected = results_of(local);
-    EXPECT_TRUE(expected.contains("day.yaml"));
-    EXPECT_TRUE(expected.contains("day.csv"));
-    EXPECT_TRUE(expected.contains("day.html"));
-    for (const auto& [name, bytes] : expected) {
-        ASSERT_TRUE(made.contains(name)) << name << " was not made";
-        EXPECT_TRUE(made.at(name) == bytes) << name << " differs";
-    }
-    EXPECT_EQ(made.size(), expected.size());
-}
 
 class SlurmDay : public testing::Test {
   protected:
@@ -34,26 +20,43 @@ class SlurmDay : public testing::Test {
         if (!cluster.why_not().empty()) GTEST_SKIP() << cluster.why_not();
         make_day(day, attempts, 150);
     }
+    /// So that nothing waits for tasks that wait themselves.
+    void TearDown() override { let_go(); }
 
-    ProcessResult batch(const std::vector<std::string>& more) const {
-        std::vector<std::string> command{programs.runcert(), "batch",      day.string(), "--out",
-                                         out.string(),       "--no-render"};
-        command.insert(command.end(), more.begin(), more.end());
-        return run_process(command);
+    Words command(const fs::path& to, const Words& more) const {
+        Words words{programs.runcert(), "batch", day.string(), "--out", to.string(), "--no-render"};
+        words.insert(words.end(), more.begin(), more.end());
+        return words;
     }
-    ProcessResult submitted() const {
-        return batch({"--engine", "slurm", "--slurm-args", "--comment='a day of many'"});
+    ProcessResult here(const fs::path& to, const Words& more = {}) const {
+        return run_process(command(to, more));
     }
-    SlurmJobs jobs() const {
-        return read_slurm_jobs(out / ".runcert" / "slurm" / "job.json").value();
+    Words on_cluster() const {
+        return command(out, {"--engine", "slurm", "--slurm-args", "--comment='a day of many'"});
     }
-    JobState state() const {
-        const SlurmJobs known = jobs();
-        return job_state(known.array, known.cluster, known.tasks);
+    ProcessResult submitted() const { return run_process(on_cluster()); }
+
+    /// All but two attempts wait in their first stage until they may go on.
+    void hold_up() const {
+        programs.replace("runcert-import",
+                         fmt::format("grep -q 'the attempt run-000[12][.]' \"$2\" ||\n"
+                                     "while [ ! -e '{}' ]; do sleep 0.05; done\nexec {} \"$@\"",
+                                     go.string(), Programs::real("runcert-import")));
     }
-    bool is_over() const {
-        return state().is_over() && job_state(jobs().gatherer, jobs().cluster, 1).is_over();
+    void let_go() const { write_file_atomically(go, ""); }
+
+    std::size_t done() const {
+        std::size_t count = 0;
+        for (int i = 1; i <= attempts; ++i)
+            count += fs::exists(out / fmt::format("run-{:04}", i) / "report.json") ? 1 : 0;
+        return count;
     }
+    /// Ids of the arrays that wait or run.
+    static std::set<std::string> jobs() {
+        const auto ids = lines_of(run_process({"squeue", "--noheader", "--format=%F"}).output);
+        return {ids.begin(), ids.end()};
+    }
+    std::string page() const { return read_file(out / "day.html"); }
 
     /// Twice as many as run at once: some are done, some run and some wait when a node fails.
     const int attempts = draws({.daily = 12, .study = 40});
@@ -62,54 +65,51 @@ class SlurmDay : public testing::Test {
     fs::path day = folder.path() / "the day's attempts";
     fs::path out = folder.path() / "on the cluster";
     fs::path local = folder.path() / "local";
+    fs::path go = folder.path() / "go";
+    fs::path log = folder.path() / "log";
     SlurmCluster cluster;
 };
 
 TEST_F(SlurmDay, EndsWithTheBytesOfALocalRunThoughANodeFails) {
-    // All but two wait in their first stage until the node has failed.
-    const fs::path go = folder.path() / "go";
-    programs.replace("runcert-import",
-                     fmt::format("case \"$*\" in *run-000[12]*) ;; *)\n"
-                                 "while [ ! -e '{}' ]; do sleep 0.05; done ;; esac\nexec {} \"$@\"",
-                                 go.string(), Programs::real("runcert-import")));
-    const ProcessResult first = submitted();
-    ASSERT_EQ(first.exit_status, 0) << first.errors;
-    EXPECT_TRUE(holds(first.output, "submitted job ")) << first.output;
-    EXPECT_TRUE(holds(first.output, fmt::format("{0} tasks for {0} runs", attempts)))
-        << first.output;
-    ASSERT_TRUE(holds_within(600, [&] { return state().over >= 2 && cluster.runs_on("n2"); }));
-
+    hold_up();
+    Started first(on_cluster(), log);
+    ASSERT_TRUE(holds_within(120, [&] { return done() == 2 && cluster.runs_on("n2"); }))
+        << first.output();
+    EXPECT_TRUE(holds(first.output(), fmt::format("{0} runs to be made by {0} tasks", attempts)))
+        << first.output();
     cluster.take_down("n2");
-    ASSERT_TRUE(holds_within(600, [&] { return state().requeued > 0; }));
-    write_file_atomically(go, "");
-    const ProcessResult status = batch({"--status"});
-    EXPECT_EQ(status.exit_status, 1) << "not all is done: " << status.errors;
-    EXPECT_TRUE(holds(status.output, "begun again by Slurm")) << status.output;
-    const std::string array = jobs().array;
-    submitted();
-    EXPECT_EQ(jobs().array, array) << "submitted twice while the first still runs";
+    EXPECT_EQ(here(out, {"--status"}).exit_status, 1) << "not all is done";
 
-    ASSERT_TRUE(holds_within(1200, [&] { return is_over(); }));
+    const auto before = jobs();
+    EXPECT_EQ(before.size(), 1U);
+    const ProcessResult second = submitted();
+    EXPECT_EQ(second.exit_status, 2);
+    EXPECT_TRUE(holds(second.errors, "of an earlier call is at work on this day")) << second.errors;
+    EXPECT_EQ(jobs(), before);
+
+    let_go();
+    ASSERT_TRUE(holds_within(240, [&] { return first.has_ended(); })) << first.output();
+    EXPECT_EQ(first.exit_status(), 0) << first.output();
     EXPECT_EQ(cluster.count_nodes("down"), 1U);
-    const ProcessResult here =
-        runcert({"batch", day.string(), "--out", local.string(), "--no-render"});
-    ASSERT_EQ(here.exit_status, 0) << here.errors;
-    expect_same(out, local);
+    const ProcessResult result = here(local);
+    ASSERT_EQ(result.exit_status, 0) << result.errors;
+    const auto expected = results_of(local);
+    for (const char* name : {"day.yaml", "day.csv", "day.html"})
+        EXPECT_TRUE(expected.contains(name));
+    EXPECT_EQ(differences(results_of(out), expected), Words{});
 
-    submitted();
-    EXPECT_EQ(jobs().array, array) << "submitted again though nothing is left to do";
+    const ProcessResult again = submitted();
+    EXPECT_EQ(again.exit_status, 0) << again.errors;
+    EXPECT_FALSE(holds(again.output, "to be made")) << again.output;
+    EXPECT_EQ(differences(results_of(out), expected), Words{});
 }
 
-TEST_F(SlurmDay, OnlyTheRestIsSubmitted) {
-    const ProcessResult here = batch({"--engine", "local"});
-    ASSERT_EQ(here.exit_status, 0) << here.errors;
+TEST_F(SlurmDay, OnlyTheRestIsMade) {
+    const ProcessResult result = here(out);
+    ASSERT_EQ(result.exit_status, 0) << result.errors;
     const auto expected = results_of(out);
-    std::vector<fs::path> runs;
-    for (const auto& entry : fs::directory_iterator(out))
-        if (fs::exists(entry.path() / "6-verdict.yaml")) runs.push_back(entry.path());
-    ASSERT_EQ(std::ssize(runs), attempts);
-    fs::remove_all(runs[7]);
-    const fs::path edited = runs[9] / "4-trajectory.ecsv";
+    fs::remove_all(out / "run-0007");
+    const fs::path edited = out / "run-0009" / "4-trajectory.ecsv";
     const auto time = fs::last_write_time(edited);
     std::string bytes = read_file(edited);
     bytes[bytes.size() / 2] ^= 1;
@@ -117,30 +117,51 @@ TEST_F(SlurmDay, OnlyTheRestIsSubmitted) {
     fs::last_write_time(edited, time);
 
     const ProcessResult rest = submitted();
-    ASSERT_EQ(rest.exit_status, 0) << rest.errors;
-    EXPECT_TRUE(holds(rest.output, "2 tasks for 2 runs")) << rest.output;
-    ASSERT_TRUE(holds_within(600, [&] { return is_over(); }));
+    ASSERT_EQ(rest.exit_status, 0) << rest.errors << rest.output;
+    EXPECT_TRUE(holds(rest.output, "2 runs to be made by 2 tasks")) << rest.output;
     // What somebody had changed is kept.
-    EXPECT_TRUE(fs::exists(runs[9] / "superseded"));
-    fs::remove_all(runs[9] / "superseded");
+    EXPECT_TRUE(fs::exists(out / "run-0009" / "superseded"));
+    fs::remove_all(out / "run-0009" / "superseded");
     EXPECT_EQ(differences(results_of(out), expected), Words{});
 }
 
-TEST_F(SlurmDay, WhatATaskLeftUnfinishedIsMadeBeforeTheResults) {
-    const ProcessResult here = batch({"--engine", "local"});
-    ASSERT_EQ(here.exit_status, 0) << here.errors;
-    const auto expected = results_of(out);
-    fs::remove_all(out / "run-0009");
-    const fs::path ids = folder.path() / "ids";
-    write_file_atomically(ids, "run-0008\nrun-0009\nrun-0010\n");
-    const ProcessResult gathered = batch({"--gather", "--pending", ids.string()});
-    EXPECT_EQ(gathered.exit_status, 0) << gathered.errors;
-    EXPECT_EQ(differences(results_of(out), expected), Words{});
-    // Of a task that left nothing the results say so; it was not among those submitted.
-    fs::remove_all(out / "run-0009");
-    write_file_atomically(ids, "run-0008\n");
-    EXPECT_EQ(batch({"--gather", "--pending", ids.string()}).exit_status, 2);
+TEST_F(SlurmDay, ACallThatIsKilledLeavesTheArrayAtWork) {
+    hold_up();
+    {
+        Started first(on_cluster(), log);
+        ASSERT_TRUE(holds_within(120, [&] { return done() == 2; })) << first.output();
+        first.send(SIGKILL);
+        EXPECT_EQ(first.exit_status(), 128 + SIGKILL);
+    }
+    EXPECT_EQ(jobs().size(), 1U);
+    const ProcessResult second = submitted();
+    EXPECT_EQ(second.exit_status, 2) << second.output;
+    EXPECT_TRUE(holds(second.errors, "earlier call")) << second.errors;
+    let_go();
+    ASSERT_TRUE(holds_within(240, [&] { return jobs().empty(); }));
+    EXPECT_FALSE(fs::exists(out / "day.html"));
+    const ProcessResult third = submitted();
+    EXPECT_EQ(third.exit_status, 0) << third.errors << third.output;
+    EXPECT_FALSE(holds(third.output, "to be made")) << third.output;
+    ASSERT_EQ(here(local).exit_status, 0);
+    EXPECT_EQ(differences(results_of(out), results_of(local)), Words{});
+}
+
+TEST_F(SlurmDay, OfACancelledArrayThePageSaysWhatIsNotDone) {
+    hold_up();
+    Started first(on_cluster(), log);
+    ASSERT_TRUE(holds_within(120, [&] { return done() == 2; })) << first.output();
+    run_process({"scancel", *jobs().begin()});
+    EXPECT_EQ(first.exit_status(), 2) << first.output();
+    EXPECT_TRUE(holds(page(), "it was not run to its end")) << first.output();
     EXPECT_TRUE(holds(read_file(out / "day.yaml"), "it was not run to its end"));
+    let_go();
+    const ProcessResult second = submitted();
+    EXPECT_EQ(second.exit_status, 0) << second.errors << second.output;
+    EXPECT_TRUE(holds(second.output, fmt::format("{} runs to be made", attempts - 2)))
+        << second.output;
+    ASSERT_EQ(here(local).exit_status, 0);
+    EXPECT_EQ(differences(results_of(out), results_of(local)), Words{});
 }
 
 TEST(SlurmDayWithoutSlurm, SaysWhatToInstall) {

@@ -1,5 +1,5 @@
-// The engine's dealings with Slurm where its programs are missing, silent or strange: small scripts
-// stand for them. With the real ones: tests/chain/slurm_engine_test.cpp.
+// What is said to Slurm, and where its programs are missing, silent or strange: small scripts stand
+// for them. With the real ones: tests/chain/slurm_engine_test.cpp.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -23,8 +23,9 @@ using Words = std::vector<std::string>;
 class SlurmPrograms : public testing::Test {
   protected:
     SlurmPrograms() {
-        for (const char* program : {"sbatch", "squeue", "scontrol", "scancel"})
+        for (const char* program : {"sbatch", "squeue"})
             stand_in(program, "echo slurm-wlm 22.05.8");
+        stand_in("scontrol", "echo 'MaxArraySize = 9'; echo 'MaxJobCount = 100'");
         setenv("PATH", (folder.path().string() + ":" + path).c_str(), 1);
     }
     ~SlurmPrograms() override { setenv("PATH", path.c_str(), 1); }
@@ -44,9 +45,7 @@ class SlurmPrograms : public testing::Test {
     ArrayJob job() const {
         return {.name = "day",
                 .tasks = 40,
-                .runs = 200,
                 .command = {"/opt/run cert", "batch", "/day's"},
-                .gatherer = {"/opt/run cert", "batch", "/day's", "--gather"},
                 .folder = folder.path() / "100% out"};
     }
 
@@ -58,15 +57,19 @@ bool holds(const std::string& text, const std::string& part) {
     return text.find(part) != std::string::npos;
 }
 
+std::size_t most_at_hand() {
+    return most_tasks();
+}
+
 TEST_F(SlurmPrograms, SayWhatToInstallWhereTheyAreMissing) {
-    slurm_ready();
-    for (const char* program : {"sbatch", "squeue", "scontrol", "scancel"}) {
+    EXPECT_EQ(most_tasks(), 9U);
+    for (const char* program : {"sbatch", "squeue", "scontrol"}) {
         TemporaryFolder elsewhere;
         setenv("PATH", elsewhere.path().c_str(), 1);
-        for (const char* other : {"sbatch", "squeue", "scontrol", "scancel"})
+        for (const char* other : {"sbatch", "squeue", "scontrol"})
             if (std::string(other) != program)
                 fs::create_symlink("/bin/true", elsewhere.path() / other);
-        const auto said = failure_of(slurm_ready);
+        const auto said = failure_of(most_at_hand);
         EXPECT_TRUE(said.problem.starts_with(program)) << said.problem;
         EXPECT_TRUE(holds(said.problem, "No such file or directory")) << said.problem;
         EXPECT_TRUE(holds(said.remedy, "Install slurm-client (Debian)")) << said.remedy;
@@ -78,108 +81,66 @@ TEST_F(SlurmPrograms, AControllerThatDoesNotAnswerIsAFailureInItsWords) {
     stand_in("scontrol",
              "[ \"$1\" = --version ] && exit 0\n"
              "echo 'Slurmctld(primary) at vm is DOWN'\nexit 1");
-    EXPECT_EQ(failure_of(slurm_ready).problem, "Slurmctld(primary) at vm is DOWN");
+    EXPECT_EQ(failure_of(most_at_hand).problem, "Slurmctld(primary) at vm is DOWN");
     const std::string words = "Unable to contact slurm controller (connect failure)";
-    stand_in("scontrol", "echo 'slurm_load_ctl_conf error: " + words + "' >&2; exit 1");
-    EXPECT_TRUE(holds(failure_of(array_limits).problem, words));
+    stand_in("scontrol",
+             "[ \"$1\" != show ] && exit 0\n"
+             "echo 'slurm_load_ctl_conf error: " +
+                 words + "' >&2; exit 1");
+    EXPECT_TRUE(holds(failure_of(most_at_hand).problem, words));
     stand_in("squeue", "echo 'slurm_load_jobs error: " + words + "' >&2; exit 1");
-    EXPECT_TRUE(holds(failure_of([] { job_state("12", "", 40); }).problem, words));
+    EXPECT_TRUE(holds(failure_of([] { job_at_work("day"); }).problem, words));
 }
 
 TEST_F(SlurmPrograms, AreCalledWithTheUsersWordsBeforeWhatMustHold) {
-    stand_in("sbatch", "case \"$*\" in *afterany*) echo 13;; *) echo 12;; esac");
+    stand_in("sbatch", "echo '12;lake'; exit 3");  // the status of the tasks
     ArrayJob day = job();
-    day.at_once = 6;
-    day.memory = "2G";
     day.slurm_args = {"--partition=lake", "--mem=4G"};
-    const SlurmJobs jobs = submit(day);
-    EXPECT_EQ(jobs.array, "12");
-    EXPECT_EQ(jobs.gatherer, "13");
-    EXPECT_EQ(jobs.tasks, 40U);
-    EXPECT_EQ(jobs.runs, 200U);
+    run_array(day);
     const std::string out = folder.path().string() + "/100% out";
     const std::string pattern = folder.path().string() + "/100%% out";
-    const std::string first =
-        "--parsable\n--job-name=day\n--chdir=" + out + "\n--output=" + pattern;
-    const std::string then =
-        "\n--open-mode=append\n--requeue\n--cpus-per-task=1\n--mem=2G\n--partition=lake\n--mem="
-        "4G\n";
-    EXPECT_EQ(
-        calls_of("sbatch"),
-        first + "/%A_%a.txt" + then +
-            "--array=0-39%6\n--wrap=exec '/opt/run cert' batch '/day'\\''s' --share "
-            "\"$SLURM_ARRAY_TASK_ID\"/40\n" +
-            first + "/%j.txt" + then +
-            "--dependency=afterany:12\n--kill-on-invalid-dep=yes\n--wrap=exec '/opt/run cert' "
-            "batch '/day'\\''s' --gather\n");
-}
-
-TEST_F(SlurmPrograms, TheArrayIsTakenBackWhereTheGathererIsRefused) {
-    stand_in("sbatch",
-             "case \"$*\" in\n*afterany*) echo 'sbatch: error: AssocMaxSubmitJobLimit' >&2; "
-             "exit 1;;\n*) echo '12;lake';; esac");
-    stand_in("scancel", "");
-    const auto said = failure_of([&] { submit(job()); });
-    EXPECT_TRUE(holds(said.problem, "AssocMaxSubmitJobLimit")) << said.problem;
-    EXPECT_TRUE(holds(said.problem, "job 12 of the runs was cancelled")) << said.problem;
-    EXPECT_EQ(calls_of("scancel"), "--clusters=lake\n12\n");
-    stand_in("scancel", "echo 'scancel: error: Access denied' >&2; exit 1");
-    const auto worse = failure_of([&] { submit(job()); });
-    EXPECT_TRUE(holds(worse.problem, "could not be cancelled: scancel: error: Access denied"))
-        << worse.problem;
+    EXPECT_EQ(calls_of("sbatch"),
+              "--parsable\n--job-name=day\n--chdir=" + out + "\n--output=" + pattern +
+                  "/%A_%a.txt\n--open-mode=append\n--requeue\n--cpus-per-task=1\n"
+                  "--partition=lake\n--mem=4G\n--wait\n--array=0-39\n"
+                  "--wrap=exec '/opt/run cert' batch '/day'\\''s' --share "
+                  "\"$SLURM_ARRAY_TASK_ID\"/40\n");
+    EXPECT_TRUE(fs::is_directory(out));
 }
 
 TEST_F(SlurmPrograms, AnAnswerThatIsNoJobIsARefusal) {
     for (const std::string answer : {"", "slurm-wlm 22.05.8", "-1", "12 13", ";lake"}) {
         stand_in("sbatch", "echo '" + answer + "'");
-        EXPECT_TRUE(failure_of([&] { submit(job()); }).contains("the job was not accepted"))
+        EXPECT_TRUE(failure_of([&] { run_array(job()); }).contains("the job was not accepted"))
             << answer;
     }
 }
 
 TEST_F(SlurmPrograms, WhatTheySayDoesNotSteerTheTerminal) {
     stand_in("sbatch", "printf 'sbatch: \\033[31mno\\nreally.\\n' >&2; exit 1");
-    const std::string problem = failure_of([&] { submit(job()); }).problem;
+    const std::string problem = failure_of([&] { run_array(job()); }).problem;
     EXPECT_TRUE(problem.ends_with("[31mno; really")) << problem;
     EXPECT_FALSE(holds(problem, "\033"));
 }
 
-TEST_F(SlurmPrograms, TasksAreCountedByHowTheyStand) {
-    // As Slurm 22.05 writes them, after `scontrol requeue` and `requeuehold` of two tasks.
-    stand_in("squeue", R"(cat <<END
-CLUSTER: lake
-COMPLETING                              1           job requeued in held state
-PENDING                                 1           BeginTime
-PENDING                                 0           JobArrayTaskLimit
-PENDING                                 0           JobArrayTaskLimit
-PENDING                                 0           JobHeldUser
-PENDING                                 0           ReqNodeNotAvail, UnavailableNodes:n2
-RUNNING                                 0           None
-COMPLETED                               1           None
-FAILED                                  0           NonZeroExitCode
-END)");
-    const JobState state = job_state("12", "lake", 12);
-    EXPECT_EQ(state.pending, 6U);
-    EXPECT_EQ(state.running, 1U);
-    EXPECT_EQ(state.over, 5U);
-    EXPECT_EQ(state.held, 2U);
-    EXPECT_EQ(state.requeued, 2U);
-    EXPECT_EQ(state.reasons.at("JobArrayTaskLimit"), 2U);
-    EXPECT_EQ(state.reasons.at("ReqNodeNotAvail, UnavailableNodes:n2"), 1U);
-    EXPECT_FALSE(state.is_over());
-    EXPECT_TRUE(calls_of("squeue").starts_with("--clusters=lake\n"));
+TEST_F(SlurmPrograms, FindTheUsersJobByItsName) {
+    stand_in("squeue", "printf 'CLUSTER: lake\\n12\\n12\\n'");
+    EXPECT_EQ(job_at_work("day"), "12");
+    EXPECT_EQ(calls_of("squeue"), "--me\n--noheader\n--format=%F\n--name=day\n");
+    stand_in("squeue", "echo 'CLUSTER: lake'");
+    EXPECT_EQ(job_at_work("day"), "");
 }
 
 TEST_F(SlurmPrograms, AFolderThatSlurmCannotWriteToIsRefusedBefore) {
     stand_in("sbatch", "echo 12");
     ArrayJob day = job();
     day.folder = folder.path() / "back\\slash";
-    EXPECT_TRUE(failure_of([&] { submit(day); }).contains("backslash"));
+    EXPECT_TRUE(failure_of([&] { run_array(day); }).contains("backslash"));
     EXPECT_FALSE(fs::exists(folder.path() / "sbatch.calls"));
 }
 
 // `scontrol show config` of Slurm 22.05, cut.
-constexpr std::string_view configuration = R"(Configuration data as of 2026-03-14T00:25:55
+constexpr const char* configuration = R"(Configuration data as of 2026-03-14T00:25:55
 KillWait                = 30 sec
 MaxArraySize            = 1001
 MaxJobCount             = 10000
@@ -188,39 +149,61 @@ SchedulerParameters     = bf_interval=30,max_array_tasks=64,sched_interval=60
 )";
 
 TEST(SlurmLimits, AreReadFromTheConfiguration) {
-    const ArrayLimits limits = read_array_limits(configuration);
-    EXPECT_EQ(limits.max_array_size, 1001);
-    EXPECT_EQ(limits.max_job_count, 10000);
-    EXPECT_EQ(limits.max_array_tasks, 64);
-    EXPECT_EQ(read_array_limits("MaxArraySize = 5\nMaxJobCount = 8\nSchedulerParameters = (null)\n")
-                  .max_array_tasks,
-              std::nullopt);
-    EXPECT_TRUE(failure_of([] {
-                    read_array_limits("MaxArraySizes = 5\nMaxJobCount = 8\n");
-                }).contains("MaxArraySize"));
-    EXPECT_TRUE(failure_of([] {
-                    read_array_limits("MaxArraySize = many\nMaxJobCount = 8\n");
-                }).contains("MaxArraySize"));
+    EXPECT_EQ(most_tasks(configuration), 64U);
+    const std::string others = "\nSchedulerParameters = (null)\n";
+    EXPECT_EQ(most_tasks("MaxArraySize = 1001\nMaxJobCount = 10000" + others), 1001U);
+    EXPECT_EQ(most_tasks("MaxArraySize = 1001\nMaxJobCount = 100" + others), 50U);
+    EXPECT_EQ(most_tasks("MaxArraySize=13\nMaxJobCount=100\nSchedulerParameters=max_array_tasks=7"),
+              7U);
+    for (const char* wrong :
+         {"MaxArraySizes = 5\nMaxJobCount = 8\n", "MaxArraySize = many\nMaxJobCount = 8\n"})
+        EXPECT_TRUE(failure_of([&] { most_tasks(wrong); }).contains("states no MaxArraySize"));
+    for (const char* none :
+         {"MaxArraySize = 0\nMaxJobCount = 8\n", "MaxArraySize = 8\nMaxJobCount = 1\n"})
+        EXPECT_TRUE(failure_of([&] { most_tasks(none); }).contains("no job arrays"));
 }
 
 TEST(SlurmLimits, BoundTheTasks) {
-    const ArrayLimits limits{.max_array_size = 1001, .max_job_count = 10000};
-    EXPECT_EQ(tasks_for(1, limits), 1U);
-    EXPECT_EQ(tasks_for(1001, limits), 1001U);
-    EXPECT_EQ(tasks_for(2000, limits), 1001U);
-    EXPECT_EQ(tasks_for(2000, {.max_array_size = 1001, .max_job_count = 100}), 50U);
-    EXPECT_EQ(tasks_for(2000, read_array_limits(configuration)), 64U);
-    EXPECT_TRUE(failure_of([] {
-                    tasks_for(3, {.max_array_size = 0, .max_job_count = 100});
-                }).contains("no job arrays"));
+    EXPECT_EQ(tasks_for(1, 1001), 1U);
+    EXPECT_EQ(tasks_for(200, 1001), 200U);
+    EXPECT_EQ(tasks_for(2000, 1001), 200U);
+    EXPECT_EQ(tasks_for(20'001, 1001), 401U);
+    EXPECT_EQ(tasks_for(1'000'000, 1001), 1001U);
+    EXPECT_EQ(tasks_for(40, 13), 13U);
 }
 
-TEST(SlurmCommand, IsAbsolute) {
-    const Words words = batch_command({"lake day", "/days/b"}, "out");
-    const fs::path here = fs::current_path();
-    EXPECT_EQ(words,
-              (Words{fs::read_symlink("/proc/self/exe").string(), "batch",
-                     (here / "lake day").string(), "/days/b", "--out", (here / "out").string()}));
+TEST(SlurmArgs, AreSplitAsAShellDoes) {
+    setenv("LAKE", "salt", 1);
+    EXPECT_EQ(
+        split_slurm_args(R"( --partition=lake  --comment 'day  "1"' --account=a\ b -p "$LAKE")"),
+        (Words{"--partition=lake", "--comment", "day  \"1\"", "--account=a b", "-p", "salt"}));
+    EXPECT_EQ(split_slurm_args("  "), Words{});
+    EXPECT_EQ(split_slurm_args("--nodelist=n[1-3] --comment=''"),
+              (Words{"--nodelist=n[1-3]", "--comment="}));
+}
+
+TEST(SlurmArgs, AreRefusedWhereTheyWouldRunACommandOrDoNotEnd) {
+    TemporaryFolder folder;
+    const std::string file = (folder.path() / "made").string();
+    for (const std::string& text :
+         {"--comment=`touch " + file + "`", "--comment=\"$(touch " + file + ")\"",
+          "--comment=$((1+`touch " + file + "`))"})
+        EXPECT_TRUE(failure_of([&] { split_slurm_args(text); }).contains("command")) << text;
+    EXPECT_FALSE(fs::exists(file));
+    EXPECT_TRUE(failure_of([] { split_slurm_args("--comment='day"); }).contains("do not end"));
+    EXPECT_TRUE(failure_of([] { split_slurm_args("-p $RUNCERT_NO_SUCH"); }).contains("not set"));
+    for (const char* text : {"-p lake; rm x", "-p lake | cat", "-p lake\n--hold", "-p lake > x"})
+        EXPECT_TRUE(failure_of([&] { split_slurm_args(text); }).contains("not in quotes")) << text;
+    EXPECT_TRUE(
+        failure_of([] { split_slurm_args(std::string_view("-p a\0b", 6)); }).contains("byte"));
+}
+
+TEST(SlurmArgs, LeaveTheArrayAndTheCommandToTheProgram) {
+    for (const std::string word :
+         {"--array=0-3", "--array", "-a0-3", "-a", "--wrap=true", "--wait", "-W", "--test-only",
+          "--job-name=x", "-Jx", "--clusters=lake", "-M"})
+        EXPECT_TRUE(failure_of([&] { split_slurm_args("--hold " + word); }).contains(word)) << word;
+    split_slurm_args("--account=a --partition=lake -A sailing --wait-all-nodes=1 --mem=2G");
 }
 
 }  // namespace

@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -91,14 +90,14 @@ int make_surface(const SurfaceOptions& options) {
 }  // namespace
 
 void add_surface(CLI::App& app, Command& chosen) {
-    auto options = std::make_shared<SurfaceOptions>();
-    CLI::App* command =
-        app.add_subcommand("surface", "Make the surface of a course from earlier runs over it");
-    command->add_option("RUN", options->runs, "folders of certified runs over the course")
-        ->required();
-    command->add_option("--out", options->out, "file to write (ECSV)")->required();
-    command->add_flag("--force", options->force, "replace the file if it exists");
-    command->footer(
+    auto [line, options] = add_command<SurfaceOptions>(
+        app, chosen, "surface", "Make the surface of a course from earlier runs over it",
+        make_surface);
+    line.texts("RUN", options.runs, "folders of certified runs over the course",
+               CommandLine::required);
+    line.text("--out", options.out, "file to write (ECSV)", CommandLine::required);
+    line.flag("--force", options.force, "replace the file if it exists");
+    line.footer(
         "The ground under the first receivers of the runs: heights on a grid of 5 m, by least\n"
         "squares. What has no positions on both sides is left out; five runs that cover the width\n"
         "of the course suffice. Each attempt states antenna_height_m.\n\n"
@@ -109,8 +108,6 @@ void add_surface(CLI::App& app, Command& chosen) {
         "      surface: {file: course.ecsv, source: runs of the day before}\n\n"
         "The file names the recordings that it was made from. An attempt with one of these is\n"
         "refused: a run cannot check itself.");
-    command->callback(
-        [&chosen, options] { chosen = [options] { return make_surface(*options); }; });
 }
 
 }  // namespace runcert

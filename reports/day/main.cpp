@@ -129,7 +129,7 @@ int main(int argc, char** argv) {
     std::string out;
     std::string list;
     return reader_main(
-        argc, argv, "day", "The results of a day's runs: day.yaml, day.csv, day.html",
+        argc, argv, "The results of a day's runs: day.yaml, day.csv, day.html",
         [&](CommandLine& line) {
             line.text("--out", out, "folder of the day, which holds the run folders",
                       CommandLine::Need::required);

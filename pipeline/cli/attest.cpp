@@ -220,7 +220,7 @@ int sign_answers(const AttestOptions& options) {
     const ReportFacts report = read_report_facts(run_dir);
     constexpr const char* bring_back = "Bring back the original files, or certify again";
     require_signable(run_dir, report, bring_back);
-    require_own_contents(run_dir, report, bring_back);
+    require_passed(run_dir, verify_report_text(run_dir, report), bring_back);
     const std::vector<DueClause> chosen =
         chosen_clauses(report, options.clauses, options.profile, options.role);
     if (options.recomputed)

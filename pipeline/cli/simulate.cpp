@@ -147,20 +147,17 @@ std::string attempt_text(const SimulationDocument& simulation) {
     return text;
 }
 
-struct NewFile {
-    fs::path path;
-    std::string text;
-};
+using NewFile = std::pair<std::string, std::string>;  ///< its name and its text
 
 /// Writes all or, where one exists already, none: a genuine recording may have the name.
 void write_new_files(const fs::path& folder, const std::vector<NewFile>& files) {
-    for (const NewFile& file : files)
-        if (fs::exists(folder / file.path))
-            throw Failure((folder / file.path).string(), "the file exists already",
+    for (const auto& [name, text] : files)
+        if (fs::exists(folder / name))
+            throw Failure((folder / name).string(), "the file exists already",
                           "Name another folder, or remove the file");
     make_directory(folder);
-    for (const NewFile& file : files)
-        write_file_atomically(folder / file.path, file.text);
+    for (const auto& [name, text] : files)
+        write_file_atomically(folder / name, text);
 }
 
 struct SimulateOptions {

@@ -25,10 +25,8 @@ struct SurfaceOptions {
 
 /// What a surface takes from a run: its judged receiver's positions, and what they come from.
 struct ReadRun {
-    std::string id;
-    std::vector<std::string> recordings;
+    EarlierRun run;
     ScreenedTable positions;
-    double antenna_height_m = 0.0;
     InputFile input;
 };
 
@@ -43,15 +41,15 @@ ReadRun read_run(const std::filesystem::path& folder) {
                                   run.attempt().id),
                       "Add antenna_height_m to its receiver, as measured by tape, and certify it "
                       "again");
-    ReadRun read{.id = run.attempt().id,
-                 .recordings = {},
-                 .positions = run.read(products::screened, receiver, read_screened),
-                 .antenna_height_m = *receiver.antenna_height_m,
-                 .input = run.inputs().back()};
-    read.input.file = read.id + "/" + read.input.file;
+    const std::string& id = run.attempt().id;
+    ReadRun read{
+        .run = {.id = id, .recordings = {}, .antenna_height_m = *receiver.antenna_height_m},
+        .positions = run.read(products::screened, receiver, read_screened),
+        .input = run.inputs().back()};
+    read.input.file = id + "/" + read.input.file;
     const auto observations = run.open(products::observations, receiver, open_observations);
     for (const InputFile& input : observations.head().header.inputs)
-        if (input.role == "recording") read.recordings.push_back(input.sha256);
+        if (input.role == "recording") read.run.recordings.push_back(input.sha256);
     return read;
 }
 
@@ -69,12 +67,10 @@ int make_surface(const SurfaceOptions& options) {
     header.program_version = program_version();
     header.source_revision = source_revision();
     header.parameters = nlohmann::ordered_json::object();
-    for (const ReadRun& run : read) {
-        runs.push_back({.id = run.id,
-                        .recordings = run.recordings,
-                        .positions = &run.positions,
-                        .antenna_height_m = run.antenna_height_m});
-        header.inputs.push_back(run.input);
+    for (ReadRun& one : read) {
+        one.run.positions = &one.positions;
+        runs.push_back(one.run);
+        header.inputs.push_back(one.input);
     }
     SurfaceTable table = surface_of_runs(runs);
     table.header = std::move(header);

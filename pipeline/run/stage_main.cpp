@@ -73,7 +73,9 @@ void CommandLine::word(const std::string& name, std::string& value, const std::s
 
 void CommandLine::texts(const std::string& name, std::vector<std::string>& values,
                         const std::string& about, Need need) {
-    app_.add_option(name, values, about)->required(need == Need::required)->allow_extra_args(false);
+    app_.add_option(name, values, about)
+        ->required(need == Need::required)
+        ->allow_extra_args(!name.starts_with("-"));
 }
 
 void CommandLine::integer(const std::string& name, std::int64_t& value, const std::string& about,

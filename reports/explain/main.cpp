@@ -139,7 +139,7 @@ int main(int argc, char** argv) {
             if (options.profiles || options.inputs) {
                 if (!options.run_dir.empty())
                     throw Failure("the command line",
-                                  fmt::format("{} excludes RUN_DIR",
+                                  fmt::format("RUN_DIR excludes {}",
                                               options.profiles ? "--profiles" : "--inputs"),
                                   "See --help");
                 fmt::print("{}",

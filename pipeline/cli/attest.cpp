@@ -2,7 +2,6 @@
 #include <fmt/ranges.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -221,7 +220,7 @@ int sign_answers(const AttestOptions& options) {
     const ReportFacts report = read_report_facts(run_dir);
     constexpr const char* bring_back = "Bring back the original files, or certify again";
     require_signable(run_dir, report, bring_back);
-    require_own_contents(run_dir, report, bring_back);
+    require_passed(run_dir, verify_report_text(run_dir, report), bring_back);
     const std::vector<DueClause> chosen =
         chosen_clauses(report, options.clauses, options.profile, options.role);
     if (options.recomputed)
@@ -293,72 +292,52 @@ int attest(AttestOptions options) {
     return list_clauses(options.run_dir, known_as, options.roster);
 }
 
-void add_options(CLI::App& command, AttestOptions& options) {
-    command
-        .add_option("RUN_DIR", options.run_dir,
-                    "the folder of a certified run, or a bundle, which is unpacked here")
-        ->required();
-    CLI::Option* clauses =
-        command.add_option("CLAUSE", options.clauses,
-                           "observers, or nalsa/observers; none: list what is to be attested");
-    command.add_option("--profile", options.profile,
-                       "of which rule (default: of all that have it)");
-    command.add_option("--role", options.role, "what whoever answers is: judge, measurer, board");
-    command.add_option("--key", options.key, "secret key of whoever answers (runcert keygen)");
-    CLI::Option* no = command.add_flag("--no", options.no, "the answer is no");
-    CLI::Option* withdraw =
-        command.add_flag("--withdraw", options.withdraw, "take back what this key answered")
-            ->excludes(no);
-    command.add_option("--statement", options.statement, "a line in your own words");
-    command.add_option("--evidence", options.evidence, "a file to go along; may be repeated")
-        ->allow_extra_args(false);
-    command
-        .add_option(
-            "--paper", options.paper,
-            "scan (PDF or picture) of the report's last page, signed by hand: you sign that it was")
-        ->excludes(withdraw);
-    command
-        .add_flag("--recomputed", options.recomputed,
-                  "run every stage again, and sign that all is the same")
-        ->excludes(clauses);
-    command
-        .add_flag("--close", options.close,
-                  "sign the list of all answers and signatures: only then is a run complete")
-        ->excludes(clauses, no, withdraw)
-        ->excludes("--recomputed");
-    command
-        .add_option(
-            "--take", options.take,
-            "a copy of this run, or a bundle of it, whose answers and signatures are brought "
-            "in; may be repeated")
-        ->allow_extra_args(false)
-        ->excludes(clauses, no, withdraw)
-        ->excludes("--recomputed")
-        ->excludes("--close");
-    command.add_flag("--yes", options.yes, "do not ask before signing");
-    command.add_option("--roster", options.roster,
-                       "whose answers and signatures list and pages count; verify with it too");
-    command.add_flag("--render", options.render, "render the pages again, and sign nothing");
-    command.add_flag("--no-render", options.no_render, "leave the pages as they are");
-}
-
 }  // namespace
 
 void add_attest(CLI::App& app, Command& chosen) {
-    auto options = std::make_shared<AttestOptions>();
-    CLI::App* command = app.add_subcommand(
-        "attest", "Answer, signed, for what a recording cannot decide; or list what is open");
-    add_options(*command, *options);
-    command->footer(
+    auto [line, options] = add_command<AttestOptions>(
+        app, chosen, "attest",
+        "Answer, signed, for what a recording cannot decide; or list what is open", attest);
+    line.text("RUN_DIR", options.run_dir,
+              "the folder of a certified run, or a bundle, which is unpacked here",
+              CommandLine::required);
+    line.texts("CLAUSE", options.clauses,
+               "observers, or nalsa/observers; none: list what is to be attested");
+    line.text("--profile", options.profile, "of which rule (default: of all that have it)");
+    line.text("--role", options.role, "what whoever answers is: judge, measurer, board");
+    line.text("--key", options.key, "secret key of whoever answers (runcert keygen)");
+    line.flag("--no", options.no, "the answer is no");
+    line.flag("--withdraw", options.withdraw, "take back what this key answered");
+    line.exclude("--withdraw", {"--no"});
+    line.text("--statement", options.statement, "a line in your own words");
+    line.texts("--evidence", options.evidence, "a file to go along; may be repeated");
+    line.text(
+        "--paper", options.paper,
+        "scan (PDF or picture) of the report's last page, signed by hand: you sign that it was");
+    line.exclude("--paper", {"--withdraw"});
+    line.flag("--recomputed", options.recomputed,
+              "run every stage again, and sign that all is the same");
+    line.exclude("--recomputed", {"CLAUSE"});
+    line.flag("--close", options.close,
+              "sign the list of all answers and signatures: only then is a run complete");
+    line.exclude("--close", {"CLAUSE", "--no", "--withdraw", "--recomputed"});
+    line.texts(
+        "--take", options.take,
+        "a copy of this run, or a bundle of it, whose answers and signatures are brought in; may "
+        "be repeated");
+    line.exclude("--take", {"CLAUSE", "--no", "--withdraw", "--recomputed", "--close"});
+    line.flag("--yes", options.yes, "do not ask before signing");
+    line.text("--roster", options.roster,
+              "whose answers and signatures list and pages count; verify with it too");
+    line.flag("--render", options.render, "render the pages again, and sign nothing");
+    line.flag("--no-render", options.no_render, "leave the pages as they are");
+    line.footer(
         "Writes attestations/answer-ID.json, a DSSE envelope with an in-toto statement about the "
         "hash of\nreport.json, with evidence beside it. report.json never changes: where the run "
         "stands is computed from\nit and from what lies beside it. A no is a no; --withdraw takes "
-        "an "
-        "answer back, which is signed too.\nOnly a closed run is complete (--close, by the board "
-        "or "
-        "by the roster's line #runcert close ROLE).\n"
-        "Exit status: 0 signed or listed, 1 not confirmed, 2 it could not be done.");
-    command->callback([&chosen, options] { chosen = [options] { return attest(*options); }; });
+        "an answer back, which is signed too.\nOnly a closed run is complete (--close, by the "
+        "board or by the roster's line #runcert close ROLE).\nExit status: 0 signed or listed, 1 "
+        "not confirmed, 2 it could not be done.");
 }
 
 }  // namespace runcert

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 
 #include "commands.h"
@@ -54,36 +53,31 @@ int bundle(const BundleOptions& options) {
 }  // namespace
 
 void add_bundle(CLI::App& app, Command& chosen) {
-    auto options = std::make_shared<BundleOptions>();
-    CLI::App* command = app.add_subcommand(
-        "bundle", "Pack a run folder, keys and how to verify it into one .tar.zst, or a ZIP");
-    command->add_option("RUN_DIR", options->run_dir, "the folder of a certified run")->required();
-    command->add_option("--out", options->out,
-                        "file to write (default: the attempt's id with .tar.zst or .zip, here)");
-    command
-        ->add_option("--pubkey", options->public_keys,
-                     "public key of a signer, to go along (several: repeat it)")
-        ->allow_extra_args(false);
-    command->add_option("--roster", options->roster,
-                        "roster of the signers' keys, OpenSSH's allowed-signers form; each key "
-                        "in it goes along as a file too");
-    command->add_option("--tsa-ca", options->tsa_ca,
-                        "root certificate of the time stamps' authority, PEM");
-    command->add_flag("--zip", options->zip,
-                      "a ZIP, which every system opens; its files are not compressed, so that the "
-                      "same files give the same bytes everywhere");
-    command->add_flag("--force", options->force, "replace the file if it exists");
-    command->footer(
-        std::string(
-            "In it: one folder, named as the attempt, with the run's files, keys/, VERIFY.txt (how "
-            "a\n"
-            "stranger checks it) and SHA256SUMS. The same folder and keys give the same bytes. "
-            "run.yaml\n"
-            "(clock and durations of the computation, on which nothing depends) stays out. A "
-            "folder\n"
-            "that is not whole, or holds unknown files, is refused.\n") +
+    auto [line, options] = add_command<BundleOptions>(
+        app, chosen, "bundle",
+        "Pack a run folder, keys and how to verify it into one .tar.zst, or a ZIP", bundle);
+    line.text("RUN_DIR", options.run_dir, "the folder of a certified run", CommandLine::required);
+    line.text("--out", options.out,
+              "file to write (default: the attempt's id with .tar.zst or .zip, here)");
+    line.texts("--pubkey", options.public_keys,
+               "public key of a signer, to go along (several: repeat it)");
+    line.text(
+        "--roster", options.roster,
+        "roster of the signers' keys, OpenSSH's allowed-signers form; each key in it goes along "
+        "as a file too");
+    line.text("--tsa-ca", options.tsa_ca, "root certificate of the time stamps' authority, PEM");
+    line.flag(
+        "--zip", options.zip,
+        "a ZIP, which every system opens; its files are not compressed, so that the same files "
+        "give the same bytes everywhere");
+    line.flag("--force", options.force, "replace the file if it exists");
+    line.footer(
+        std::string() +
+        "In it: one folder, named as the attempt, with the run's files, keys/, VERIFY.txt (how "
+        "a\nstranger checks it) and SHA256SUMS. The same folder and keys give the same bytes. "
+        "run.yaml\n(clock and durations of the computation, on which nothing depends) stays out. "
+        "A folder\nthat is not whole, or holds unknown files, is refused.\n" +
         bundle_limits_words());
-    command->callback([&chosen, options] { chosen = [options] { return bundle(*options); }; });
 }
 
 }  // namespace runcert

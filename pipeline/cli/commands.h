@@ -2,13 +2,12 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <string>
 #include <utility>
-#include <vector>
 
-namespace CLI {
-class App;
-}
+#include "run/stage_main.h"
+#include "store/atomic_file.h"
 
 namespace runcert {
 
@@ -27,24 +26,25 @@ void add_inspect(CLI::App& app, Command& chosen);
 void add_simulate(CLI::App& app, Command& chosen);
 void add_surface(CLI::App& app, Command& chosen);
 void add_keygen(CLI::App& app, Command& chosen);
-void add_audit(CLI::App& app, Command& chosen);
 void add_diff(CLI::App& app, Command& chosen);
-void add_explain(CLI::App& app, Command& chosen);
-void add_compare(CLI::App& app, Command& chosen);
 void add_bundle(CLI::App& app, Command& chosen);
-void add_export(CLI::App& app, Command& chosen);
 void add_seal(CLI::App& app, Command& chosen);
 
+CommandLine added_command(CLI::App& app, Command& chosen, const std::string& name,
+                          const std::string& summary, Command run);
+
+/// The line of a new command, and what its options are read into; where it is typed, `run` is
+/// given them.
+template <class Options>
+std::pair<CommandLine, Options&> add_command(CLI::App& app, Command& chosen,
+                                             const std::string& name, const std::string& summary,
+                                             const std::function<int(const Options&)>& run) {
+    const auto options = std::make_shared<Options>();
+    return {added_command(app, chosen, name, summary, [options, run] { return run(*options); }),
+            *options};
+}
+
 // What several of them do.
-
-/// Options of a companion program, each passed on where its value is not empty.
-using PassedOptions = std::vector<std::pair<std::string, std::string>>;
-
-/// Runs the companion program `runcert-NAME` on a run, a folder or a bundle (empty: on none), prints
-/// what it says on standard output and standard error, and gives its exit status. Failure where the
-/// program is not there.
-int run_companion(const std::string& name, const std::string& run,
-                  const std::vector<std::string>& arguments, const PassedOptions& options = {});
 
 /// Renders the pages of a run again, which show who signed and answered, with the keys of a roster
 /// where one is named. A sealed PDF goes to superseded/, since a seal is of the page as it was. The
@@ -52,15 +52,11 @@ int run_companion(const std::string& name, const std::string& run,
 int render_pages(const std::filesystem::path& run_dir, const std::string& roster,
                  const std::string& done);
 
+/// Failure where a file of that name is there.
+void write_new_file(const std::filesystem::path& name, const std::string& text,
+                    FileAccess access = FileAccess::by_umask);
+
 /// The option that limits the time of a command that makes or checks a run.
 void add_time_limit(CLI::App& command);
-
-/// Whether a file lies in a run folder, or is the run itself, and so is the sender's word.
-bool lies_in(const std::filesystem::path& file, const std::filesystem::path& run_dir);
-
-/// Failure where the roster named lies in the run: pages go by the reader's own. Empty is none.
-/// Also, for what makes or packs pages, where they go by a roster already, and this is not it.
-void require_own_roster(const std::string& roster, const std::filesystem::path& run_dir,
-                        bool for_pages = false);
 
 }  // namespace runcert

@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
@@ -38,23 +37,20 @@ int diff(const DiffOptions& options) {
 }  // namespace
 
 void add_diff(CLI::App& app, Command& chosen) {
-    auto options = std::make_shared<DiffOptions>();
-    CLI::App* command = app.add_subcommand("diff", "What differs between two run folders");
-    command->add_option("RUN_A", options->run_a, "folder that certify wrote, or a bundle of it")
-        ->required();
-    command->add_option("RUN_B", options->run_b, "another")->required();
-    command->add_flag("--all", options->all, "list every epoch and value, not the first 20");
-    command->add_flag("--json", options->json, "one JSON document, complete, instead of text");
-    command->footer(
-        "Programs, inputs (by hash), parameters, attempt, epochs whose state changed, windows,\n"
-        "verdicts, and the largest change in each column of each table against its standard\n"
-        "uncertainty. Rows are matched by their time, rules, requirements and other entries of "
-        "lists\n"
-        "by what names them. One line says what is the same. Not compared: run.yaml, report, "
-        "pages\n"
-        "and signatures, which follow from the rest. Exit status: 0 nothing differs, 1 something\n"
-        "does, 2 they could not be compared.");
-    command->callback([&chosen, options] { chosen = [options] { return diff(*options); }; });
+    auto [line, options] =
+        add_command<DiffOptions>(app, chosen, "diff", "What differs between two run folders", diff);
+    line.text("RUN_A", options.run_a, "folder that certify wrote, or a bundle of it",
+              CommandLine::required);
+    line.text("RUN_B", options.run_b, "another", CommandLine::required);
+    line.flag("--all", options.all, "list every epoch and value, not the first 20");
+    line.flag("--json", options.json, "one JSON document, complete, instead of text");
+    line.footer(
+        "Programs, inputs (by hash), parameters, attempt, epochs whose state changed, "
+        "windows,\nverdicts, and the largest change in each column of each table against its "
+        "standard\nuncertainty. Rows are matched by their time, rules, requirements and other "
+        "entries of lists\nby what names them. One line says what is the same. Not compared: "
+        "run.yaml, report, pages\nand signatures, which follow from the rest. Exit status: 0 "
+        "nothing differs, 1 something\ndoes, 2 they could not be compared.");
 }
 
 }  // namespace runcert

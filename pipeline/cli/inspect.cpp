@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 #include <iostream>
@@ -95,21 +94,18 @@ int inspect(const InspectOptions& options) {
 }  // namespace
 
 void add_inspect(CLI::App& app, Command& chosen) {
-    auto options = std::make_shared<InspectOptions>();
-    CLI::App* command = app.add_subcommand("inspect", "Say what a recording is, in a few lines");
-    command
-        ->add_option("RECORDING", options->recordings,
-                     "the recording's file; - reads what is piped in")
-        ->required();
-    command->add_option("--navigation", options->navigation,
-                        "broadcast orbits for raw measurements (RINEX); else a .nav file of the "
-                        "same name beside them");
-    command->add_flag("--json", options->json,
-                      "one JSON document instead of text; of several recordings a list");
-    command->add_option(
-        "--plot", options->plot,
-        "draw speed, track, height, stated uncertainty and gaps as one page (HTML)");
-    command->callback([&chosen, options] { chosen = [options] { return inspect(*options); }; });
+    auto [line, options] = add_command<InspectOptions>(
+        app, chosen, "inspect", "Say what a recording is, in a few lines", inspect);
+    line.texts("RECORDING", options.recordings, "the recording's file; - reads what is piped in",
+               CommandLine::required);
+    line.text(
+        "--navigation", options.navigation,
+        "broadcast orbits for raw measurements (RINEX); else a .nav file of the same name beside "
+        "them");
+    line.flag("--json", options.json,
+              "one JSON document instead of text; of several recordings a list");
+    line.text("--plot", options.plot,
+              "draw speed, track, height, stated uncertainty and gaps as one page (HTML)");
 }
 
 }  // namespace runcert

@@ -1,11 +1,9 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 
 #include "commands.h"
 #include "core/failure.h"
-#include "store/atomic_file.h"
 #include "trust/roster.h"
 #include "trust/signature.h"
 #include "trust/signing.h"
@@ -18,12 +16,6 @@ struct KeygenOptions {
     std::string role = "measurer";
     bool no_password = false;
 };
-
-void write_new_file(const std::string& name, const std::string& text, FileAccess access) {
-    AtomicFile file(name, access);
-    file.write(text);
-    file.commit_as_new();
-}
 
 int make_keys(const KeygenOptions& options) {
     const std::string secret = options.name + ".key";
@@ -40,7 +32,7 @@ int make_keys(const KeygenOptions& options) {
     // and one of another is never replaced.
     write_new_file(secret, secret_key_file(pair, password), FileAccess::owner_only);
     try {
-        write_new_file(open, public_key_file(pair.public_key), FileAccess::by_umask);
+        write_new_file(open, public_key_file(pair.public_key));
     } catch (const Failure&) {
         std::filesystem::remove(secret);
         throw;
@@ -59,18 +51,17 @@ int make_keys(const KeygenOptions& options) {
 }  // namespace
 
 void add_keygen(CLI::App& app, Command& chosen) {
-    auto options = std::make_shared<KeygenOptions>();
-    CLI::App* command =
-        app.add_subcommand("keygen", "Make a key pair for signing reports (minisign's format)");
-    command->add_option("--out", options->name, "writes NAME.key and NAME.pub")->required();
-    command->add_option("--role", options->role,
-                        "role in the roster line that is printed (default: measurer)");
-    command->add_flag("--no-password", options->no_password, "do not encrypt the secret key");
-    command->footer(
+    auto [line, options] = add_command<KeygenOptions>(
+        app, chosen, "keygen", "Make a key pair for signing reports (minisign's format)",
+        make_keys);
+    line.text("--out", options.name, "writes NAME.key and NAME.pub", CommandLine::required);
+    line.text("--role", options.role,
+              "role in the roster line that is printed (default: measurer)");
+    line.flag("--no-password", options.no_password, "do not encrypt the secret key");
+    line.footer(
         "The roster line goes into the file that `runcert verify --roster` reads; who the key "
         "belongs to\nis the comment at its end, and valid-after=\"20260101Z\", "
         "valid-before=\"20280101Z\" may be put\nbehind the role, separated by commas.");
-    command->callback([&chosen, options] { chosen = [options] { return make_keys(*options); }; });
 }
 
 }  // namespace runcert

@@ -2,7 +2,6 @@
 #include <fmt/ranges.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -14,7 +13,6 @@
 #include "core/text.h"
 #include "draft/draft.h"
 #include "new_dialogue.h"
-#include "new_shown.h"
 #include "recognised.h"
 #include "reports/document/document_text.h"
 #include "store/atomic_file.h"
@@ -49,21 +47,19 @@ GivenAnswer answer_of_set(const std::string& text) {
 }
 
 std::vector<GivenAnswer> answers_of(const NewOptions& options) {
-    std::vector<GivenAnswer> answers;
-    const auto add = [&](const char* option, const char* key, const std::string& value) {
-        if (!value.empty()) answers.push_back({option, key, value});
-    };
-    add("--craft", "craft.name", options.craft);
-    add("--class", "craft.class", options.kind);
-    add("--pilot", "pilot", options.pilot);
-    add("--place", "place", options.place);
     std::string officials;
     for (const std::string& one : options.officials)
         officials += one + ";";
-    add("--official", "officials", officials);
-    add("--record", "record.speed", options.record);
-    add("--source", "record.source", options.source);
-    add("--rule", "profiles", fmt::format("{}", fmt::join(options.rules, ",")));
+    std::vector<GivenAnswer> answers{
+        {"--craft", "craft.name", options.craft},
+        {"--class", "craft.class", options.kind},
+        {"--pilot", "pilot", options.pilot},
+        {"--place", "place", options.place},
+        {"--official", "officials", officials},
+        {"--record", "record.speed", options.record},
+        {"--source", "record.source", options.source},
+        {"--rule", "profiles", fmt::format("{}", fmt::join(options.rules, ","))}};
+    std::erase_if(answers, [](const GivenAnswer& one) { return one.value.empty(); });
     for (const std::string& text : options.set)
         answers.push_back(answer_of_set(text));
     return answers;
@@ -78,6 +74,10 @@ void take(const std::vector<GivenAnswer>& answers, Draft& draft) {
                           failure.remedy());
         }
     }
+}
+
+fs::path real_path(const fs::path& path) {
+    return fs::weakly_canonical(fs::absolute(path));
 }
 
 /// Before anything is asked: whether the file can be written.
@@ -99,7 +99,7 @@ void require_new(const fs::path& file) {
 void require_recordings(const std::vector<std::string>& recordings) {
     std::set<fs::path> names;
     for (const std::string& name : recordings) {
-        if (!names.insert(fs::weakly_canonical(fs::absolute(name))).second)
+        if (!names.insert(real_path(name)).second)
             throw Failure(name, "this file is named twice", "Name each file once");
         const std::string suffix = lower_case(fs::path(name).extension().string());
         if (fs::is_directory(name))
@@ -117,10 +117,10 @@ void require_recordings(const std::vector<std::string>& recordings) {
 /// The folder that all recordings are in, as it is typed where that is one for all.
 fs::path folder_of_all(const std::vector<std::string>& recordings) {
     const fs::path first = folder_of(recordings.front());
-    fs::path common = fs::weakly_canonical(fs::absolute(first));
+    fs::path common = real_path(first);
     bool same = true;
     for (const std::string& recording : recordings) {
-        const fs::path other = fs::weakly_canonical(fs::absolute(folder_of(recording)));
+        const fs::path other = real_path(folder_of(recording));
         same = same && other == common;
         while (std::ranges::mismatch(common, other).in1 != common.end())
             common = common.parent_path();
@@ -130,8 +130,7 @@ fs::path folder_of_all(const std::vector<std::string>& recordings) {
 
 /// A recording as an attempt in that folder names it. Failure where it lies outside.
 std::string name_in(const fs::path& folder, const std::string& recording) {
-    const fs::path name = fs::weakly_canonical(fs::absolute(recording))
-                              .lexically_relative(fs::weakly_canonical(fs::absolute(folder)));
+    const fs::path name = real_path(recording).lexically_relative(real_path(folder));
     if (name.empty() || *name.begin() == "..")
         throw Failure(recording,
                       "an attempt names recordings in its own folder, and in those below it alone",
@@ -204,12 +203,6 @@ void require_read(const HandedIn& file, const std::string& path) {
     throw Failure(path, "this is a table that cannot be read as it is", file.is.problem);
 }
 
-void write_new(const fs::path& path, const std::string& text) {
-    AtomicFile file(path);
-    file.write(text);
-    file.commit_as_new();
-}
-
 /// Why a receiver's recording cannot be read as the draft says; empty where it can.
 std::string trouble_in(const Draft& draft, const fs::path& folder) {
     for (const ArrangedReceiver& receiver : draft.arrangement().receivers) {
@@ -246,7 +239,7 @@ int finish(const NewOptions& options, Draft& draft, const fs::path& out,
         left, [](const Gap& gap) { return gap.required && gap.key.starts_with("receivers."); });
     const std::string trouble =
         readable && options.day.empty() ? trouble_in(draft, folder_of(out)) : "";
-    write_new(out, draft.text());
+    write_new_file(out, draft.text());
     show_gaps(draft, "Left open, in lines of the file that begin with #", true);
     fmt::print("written  {}\n", plain_text(out.string()));
     if (!trouble.empty())
@@ -334,8 +327,7 @@ int new_day(const NewOptions& options) {
     if (!fs::is_directory(folder))
         throw Failure(options.day, "this is no folder", "Name the folder of the day's recordings");
     const fs::path out = options.out.empty() ? folder / "day.yaml" : fs::path(options.out);
-    if (fs::weakly_canonical(fs::absolute(folder_of(out))) !=
-        fs::weakly_canonical(fs::absolute(folder)))
+    if (real_path(folder_of(out)) != real_path(folder))
         throw Failure(out.string(), "a day lies in the folder of its recordings",
                       "Give an --out in that folder");
     require_new(out);
@@ -343,53 +335,44 @@ int new_day(const NewOptions& options) {
     if (files.empty())
         throw Failure(options.day, "no file in the folder is a recording of positions",
                       "Name the folder of the day's recordings");
-    Draft draft = Draft::of_day(std::move(files),
-                                fs::weakly_canonical(fs::absolute(folder)).filename().string());
+    Draft draft = Draft::of_day(std::move(files), real_path(folder).filename().string());
     return finish(options, draft, out, "runcert batch");
 }
 
 int make_new(const NewOptions& options) {
+    if (options.recordings.empty() && options.day.empty())
+        throw Failure("the command line", "RECORDING or --day is required", "See --help");
     return options.day.empty() ? new_attempt(options) : new_day(options);
-}
-
-void add_answers(CLI::App& command, NewOptions& options) {
-    command.add_option("--rule", options.rules, "rule that it is judged by; may be repeated")
-        ->allow_extra_args(false);
-    command.add_option("--craft", options.craft, "name of the craft");
-    command.add_option("--class", options.kind, "its kind: land-yacht, car, board, ...");
-    command.add_option("--pilot", options.pilot, "who sailed, drove or flew");
-    command.add_option("--place", options.place, "where");
-    command
-        .add_option("--official", options.officials,
-                    "\"ROLE NAME\" of one who is responsible; may be repeated")
-        ->allow_extra_args(false);
-    command.add_option("--record", options.record, "record to beat: \"202.9 km/h\"");
-    command.add_option("--source", options.source, "where that record is published");
-    command
-        .add_option("--set", options.set,
-                    "KEY=VALUE: any key of an attempt, or of its primary receiver; may be repeated")
-        ->allow_extra_args(false);
 }
 
 }  // namespace
 
 void add_new(CLI::App& app, Command& chosen) {
-    auto options = std::make_shared<NewOptions>();
-    CLI::App* command =
-        app.add_subcommand("new", "Write an attempt from recordings: asks what they do not say");
-    CLI::Option* recordings =
-        command->add_option("RECORDING", options->recordings,
-                            "recordings of one attempt: of its receivers, or following each other; "
-                            "with orbits, raw signals and series that belong to it");
-    CLI::Option* day = command->add_option(
-        "--day", options->day, "write a day instead: each recording in this folder is an attempt");
-    recordings->excludes(day);
-    command->add_option("--out", options->out,
-                        "file to write (default: attempt.yaml or day.yaml beside the recordings)");
-    add_answers(*command, *options);
-    command->add_flag("--no-questions", options->no_questions,
-                      "ask nothing, and leave lines to complete");
-    command->footer(
+    auto [line, options] = add_command<NewOptions>(
+        app, chosen, "new", "Write an attempt from recordings: asks what they do not say",
+        make_new);
+    line.texts(
+        "RECORDING", options.recordings,
+        "recordings of one attempt: of its receivers, or following each other; with orbits, raw "
+        "signals and series that belong to it");
+    line.text("--day", options.day,
+              "write a day instead: each recording in this folder is an attempt");
+    line.exclude("RECORDING", {"--day"});
+    line.text("--out", options.out,
+              "file to write (default: attempt.yaml or day.yaml beside the recordings)");
+    line.texts("--rule", options.rules, "rule that it is judged by; may be repeated");
+    line.text("--craft", options.craft, "name of the craft");
+    line.text("--class", options.kind, "its kind: land-yacht, car, board, ...");
+    line.text("--pilot", options.pilot, "who sailed, drove or flew");
+    line.text("--place", options.place, "where");
+    line.texts("--official", options.officials,
+               "\"ROLE NAME\" of one who is responsible; may be repeated");
+    line.text("--record", options.record, "record to beat: \"202.9 km/h\"");
+    line.text("--source", options.source, "where that record is published");
+    line.texts("--set", options.set,
+               "KEY=VALUE: any key of an attempt, or of its primary receiver; may be repeated");
+    line.flag("--no-questions", options.no_questions, "ask nothing, and leave lines to complete");
+    line.footer(
         "A recording says what it is, when it was made and how sure it is: nothing of that is "
         "asked.\nOf a table that no format recognises it says which column is taken for what, and "
         "why.\nWithout a terminal nothing is asked; what no option answers stands in lines that "
@@ -402,11 +385,6 @@ void add_new(CLI::App& app, Command& chosen) {
         "      --set accuracy.horizontal_m=0.02\n"
         "  runcert new --day recordings\n\n"
         "Exit status: 0 written, 1 not wanted, 2 it could not be.");
-    command->callback([&chosen, options, recordings, day] {
-        if (recordings->count() == 0 && day->count() == 0)
-            throw CLI::RequiredError("RECORDING or --day");
-        chosen = [options] { return make_new(*options); };
-    });
 }
 
 }  // namespace runcert

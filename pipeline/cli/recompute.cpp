@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "core/failure.h"
 #include "core/text.h"
@@ -13,7 +14,6 @@
 #include "store/external_program.h"
 #include "store/process.h"
 #include "store/program.h"
-#include "trust/signing.h"
 
 namespace runcert {
 namespace {
@@ -21,15 +21,12 @@ namespace {
 namespace fs = std::filesystem;
 
 /// The files that stages write, in the order of the chain, those of both folders.
-std::vector<std::string> products_of(const fs::path& a, const fs::path& b) {
-    std::vector<std::string> names;
+std::set<std::string> products_of(const fs::path& a, const fs::path& b) {
+    std::set<std::string> names;
     for (const fs::path& folder : {a, b})
-        for (const auto& entry : fs::directory_iterator(folder)) {
-            const std::string name = entry.path().filename().string();
-            if (is_product_name(name) && std::ranges::find(names, name) == names.end())
-                names.push_back(name);
-        }
-    std::ranges::sort(names);
+        for (const auto& entry : fs::directory_iterator(folder))
+            if (const std::string name = entry.path().filename(); is_product_name(name))
+                names.insert(name);
     return names;
 }
 
@@ -102,22 +99,20 @@ struct Comparisons {
     std::vector<std::string> makers;        ///< of the folder's files, where not this program
 };
 
-void add(Comparisons& all, FileComparison file) {
-    ++all.files;
-    if (!file.maker.empty() && std::ranges::find(all.makers, file.maker) == all.makers.end())
-        all.makers.push_back(file.maker);
-    if (file.identical)
-        ++all.identical;
-    else if (file.first)
-        all.different.push_back(std::move(file));
-    else if (!all.widest || file.largest_ratio > all.widest->largest_ratio)
-        all.widest = std::move(file);
-}
-
 Comparisons compare_all(const fs::path& run_dir, const fs::path& recomputed, bool same_arithmetic) {
     Comparisons all;
-    for (const std::string& name : products_of(recomputed, run_dir))
-        add(all, compare_file(run_dir, recomputed, name, same_arithmetic));
+    for (const std::string& name : products_of(recomputed, run_dir)) {
+        FileComparison file = compare_file(run_dir, recomputed, name, same_arithmetic);
+        ++all.files;
+        if (!file.maker.empty() && std::ranges::find(all.makers, file.maker) == all.makers.end())
+            all.makers.push_back(file.maker);
+        if (file.identical)
+            ++all.identical;
+        else if (file.first)
+            all.different.push_back(std::move(file));
+        else if (!all.widest || file.largest_ratio > all.widest->largest_ratio)
+            all.widest = std::move(file);
+    }
     return all;
 }
 
@@ -137,11 +132,6 @@ std::string finding_of(const Comparisons& all) {
 }
 
 }  // namespace
-
-void require_own_contents(const fs::path& run_dir, const ReportFacts& report,
-                          const std::string& remedy) {
-    require_passed(run_dir, verify_report_text(run_dir, report), remedy);
-}
 
 VerificationStep verify_recomputation(const fs::path& run_dir, const ReportFacts& report) {
     VerificationStep step{.what = "recompute"};

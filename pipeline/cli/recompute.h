@@ -44,10 +44,6 @@ FileComparison compare_file(const std::filesystem::path& run_dir,
 VerificationStep verify_report_text(const std::filesystem::path& run_dir,
                                     const ReportFacts& report);
 
-/// Failure, saying that nothing was signed, where report.json is not what its files make.
-void require_own_contents(const std::filesystem::path& run_dir, const ReportFacts& report,
-                          const std::string& remedy);
-
 /// Runs all stages again, from the run folder's own copies of attempt, profiles and recordings, and
 /// compares every stage file with the folder's.
 /// The finding is one of three: identical; equal within a thousandth of the stated uncertainty

@@ -5,10 +5,11 @@
 
 #include "core/failure.h"
 #include "recompute.h"
+#include "reports/diff/run_difference.h"
 #include "reports/diff/table_comparison.h"
+#include "run/steps.h"
 #include "schemas/products/products.h"
 #include "store/atomic_file.h"
-#include "store/program.h"
 
 namespace runcert {
 namespace {
@@ -16,23 +17,12 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
+/// The stage whose files begin with the same number.
 std::string stage_of(const std::string& name) {
-    switch (name.front()) {
-        case '1':
-            return "import";
-        case '2':
-            return "enu";
-        case '3':
-            return "screen";
-        case '4':
-            return "smooth";
-        case '5':
-            return "window";
-        case '6':
-            return "check";
-        default:
-            return "report";
-    }
+    for (const Step& step : steps())
+        for (const ProductFile& product : step.products)
+            if (product.stem.front() == name.front()) return step.name;
+    return "report";
 }
 
 std::string values_text(const std::string& old_value, const std::string& new_value) {
@@ -94,12 +84,6 @@ void judge_table(FileComparison& file, const TableComparison& table) {
     judge_values(file, table.header, "header ");
 }
 
-bool is_of_this_program(const Json& predicate) {
-    const Json program = predicate.value("program", Json::object());
-    return program.value("version", "") == program_version() &&
-           program.value("source_revision", "") == source_revision();
-}
-
 Json predicate_of(const std::string& text, const std::string& where) {
     Json report = Json::parse(text, nullptr, false);
     if (!report.is_object() || !report.contains("predicate") || !report["predicate"].is_object())
@@ -119,15 +103,6 @@ Json measurement_of(Json predicate, bool made_here) {
     return predicate;
 }
 
-/// Who made a product; empty where it is this program.
-std::string maker_of(const Json& header) {
-    const Json stage = header.value("stage", Json::object());
-    const std::string version = stage.value("version", "");
-    const std::string revision = stage.value("source_revision", "");
-    if (version == program_version() && revision == source_revision()) return {};
-    return fmt::format("runcert {}, source {}", version, revision);
-}
-
 /// What a stage says that it was given: parameters and what it read of the attempt.
 Json given_in(const Json& header) {
     Json given = header.value("parameters", Json::object());
@@ -137,13 +112,17 @@ Json given_in(const Json& header) {
 
 void judge_report(FileComparison& file, const std::string& old_text, const std::string& new_text,
                   const std::string& where) {
-    const Json old_report = predicate_of(old_text, where);
-    const bool made_here = is_of_this_program(old_report);
+    const Json old_report = predicate_of(old_text, where), report = predicate_of(new_text, where);
+    const auto made_by = [](const Json& predicate) {
+        const Json* program = member_of(&predicate, "program");
+        return std::pair(text_in(program, "version"), text_in(program, "source_revision"));
+    };
+    const bool made_here = made_by(old_report) == made_by(report);
     if (!made_here) file.maker = "another program";
-    judge_values(file,
-                 value_differences(measurement_of(predicate_of(new_text, where), made_here),
-                                   measurement_of(old_report, made_here)),
-                 "");
+    judge_values(
+        file,
+        value_differences(measurement_of(report, made_here), measurement_of(old_report, made_here)),
+        "");
 }
 
 void judge(FileComparison& file, const std::string& old_text, const std::string& new_text,
@@ -152,6 +131,7 @@ void judge(FileComparison& file, const std::string& old_text, const std::string&
     const ProductParts old_parts = parts_of(old_text, old_where);
     const ProductParts new_parts = parts_of(new_text, new_where);
     file.maker = maker_of(old_parts.header);
+    if (file.maker == maker_of(new_parts.header)) file.maker.clear();
     const bool is_table = file.file.ends_with(".ecsv");
     // Windows and verdict hold the figures that decide.
     const ComparisonRules rules{.declared = &product_fields(file.file),

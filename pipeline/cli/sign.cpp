@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 
 #include "commands.h"
@@ -36,7 +35,7 @@ int sign_run(const SignOptions& options) {
     require_role(options.role, "--role");
     require_own_roster(options.roster, run_dir, !options.no_render);
     require_signable(run_dir, report, bring_back);
-    require_own_contents(run_dir, report, bring_back);
+    require_passed(run_dir, verify_report_text(run_dir, report), bring_back);
     if (!options.no_recompute)
         require_passed(run_dir, verify_recomputation(run_dir, report), bring_back);
     for (const std::string& line : what_is_signed(run_dir))
@@ -57,36 +56,31 @@ int sign_run(const SignOptions& options) {
 }  // namespace
 
 void add_sign(CLI::App& app, Command& chosen) {
-    auto options = std::make_shared<SignOptions>();
-    CLI::App* command = app.add_subcommand(
-        "sign", "Sign the report of a run folder, in addition to existing signatures");
-    command
-        ->add_option("RUN_DIR", options->run_dir,
-                     "the folder of a certified run, or a bundle, which is unpacked here")
-        ->required();
-    command
-        ->add_option("--key", options->key,
-                     "secret key (runcert keygen, minisign -G); its password is asked for, or read "
-                     "from standard input")
-        ->required();
-    command
-        ->add_option("--role", options->role,
-                     "what the signer answers as: measurer, judge, ... (letters, digits, - and _)")
-        ->required();
-    command->add_flag("--no-recompute", options->no_recompute,
-                      "sign without computing every file again; the signature then says so");
-    command->add_option("--roster", options->roster,
-                        "whose signatures and answers the pages count; verify them with it too");
-    command->add_flag("--no-render", options->no_render, "leave the pages as they are");
-    command->footer(
+    auto [line, options] = add_command<SignOptions>(
+        app, chosen, "sign", "Sign the report of a run folder, in addition to existing signatures",
+        sign_run);
+    line.text("RUN_DIR", options.run_dir,
+              "the folder of a certified run, or a bundle, which is unpacked here",
+              CommandLine::required);
+    line.text("--key", options.key,
+              "secret key (runcert keygen, minisign -G); its password is asked for, or read from "
+              "standard input",
+              CommandLine::required);
+    line.text("--role", options.role,
+              "what the signer answers as: measurer, judge, ... (letters, digits, - and _)",
+              CommandLine::required);
+    line.flag("--no-recompute", options.no_recompute,
+              "sign without computing every file again; the signature then says so");
+    line.text("--roster", options.roster,
+              "whose signatures and answers the pages count; verify them with it too");
+    line.flag("--no-render", options.no_render, "leave the pages as they are");
+    line.footer(
         "Writes report.json.minisig, or report.json.ROLE.minisig where another signer has that; "
         "the same key\nin the same role replaces its own. Refused where a file of the folder is "
-        "missing, changed or not\npart of the report, and where the figures do not follow from the "
-        "recordings. With an ssh key: in the folder, `ssh-keygen "
-        "-Y sign -n ROLE@runcert -f KEY\nreport.json`, and with several signers rename "
-        "report.json.sig to report.json.ROLE.sig.\n"
-        "Exit status: 0 signed, 2 it could not be done.");
-    command->callback([&chosen, options] { chosen = [options] { return sign_run(*options); }; });
+        "missing, changed or not\npart of the report, and where the figures do not follow from "
+        "the recordings. With an ssh key: in the folder, `ssh-keygen -Y sign -n ROLE@runcert -f "
+        "KEY\nreport.json`, and with several signers rename report.json.sig to "
+        "report.json.ROLE.sig.\nExit status: 0 signed, 2 it could not be done.");
 }
 
 }  // namespace runcert

@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 #include <memory>
@@ -148,23 +147,26 @@ std::string attempt_text(const SimulationDocument& simulation) {
     return text;
 }
 
-struct NewFile {
-    fs::path path;
-    std::string text;
-};
+using NewFile = std::pair<std::string, std::string>;  ///< its name and its text
 
 /// Writes all or, where one exists already, none: a genuine recording may have the name.
 void write_new_files(const fs::path& folder, const std::vector<NewFile>& files) {
-    for (const NewFile& file : files)
-        if (fs::exists(folder / file.path))
-            throw Failure((folder / file.path).string(), "the file exists already",
+    for (const auto& [name, text] : files)
+        if (fs::exists(folder / name))
+            throw Failure((folder / name).string(), "the file exists already",
                           "Name another folder, or remove the file");
     make_directory(folder);
-    for (const NewFile& file : files)
-        write_file_atomically(folder / file.path, file.text);
+    for (const auto& [name, text] : files)
+        write_file_atomically(folder / name, text);
 }
 
-int simulate_to_folder(const std::string& spec_file, const fs::path& folder) {
+struct SimulateOptions {
+    std::string spec, out;
+};
+
+int simulate_to_folder(const SimulateOptions& options) {
+    const std::string& spec_file = options.spec;
+    const fs::path folder = options.out;
     const SimulationDocument simulation = read_simulation(read_handwritten(spec_file), spec_file);
     const std::vector<SimulatedEpoch> epochs = simulate(simulation);
     std::vector<NewFile> files{
@@ -208,13 +210,13 @@ int simulate_to_folder(const std::string& spec_file, const fs::path& folder) {
 }  // namespace
 
 void add_simulate(CLI::App& app, Command& chosen) {
-    auto spec = std::make_shared<std::string>();
-    auto folder = std::make_shared<std::string>();
-    CLI::App* command = app.add_subcommand(
-        "simulate", "Make the recording of a run whose true speed is known, and its attempt");
-    command->add_option("SPEC", *spec, "the simulation's file (YAML)")->required();
-    command->add_option("--out", *folder, "folder to write")->required();
-    command->footer(fmt::format(
+    auto [line, options] = add_command<SimulateOptions>(
+        app, chosen, "simulate",
+        "Make the recording of a run whose true speed is known, and its attempt",
+        simulate_to_folder);
+    line.text("SPEC", options.spec, "the simulation's file (YAML)", CommandLine::required);
+    line.text("--out", options.out, "folder to write", CommandLine::required);
+    line.footer(fmt::format(
         "Writes recording.pos (or recording.csv, in an engineering CRS), truth.csv and "
         "attempt.yaml; with raw: raw.obs and broadcast.nav, with imu: imu.csv, with wheel: "
         "wheel.csv, with surface: surface.xml. Each of them but the orbits, which are real, says "
@@ -226,9 +228,6 @@ void add_simulate(CLI::App& app, Command& chosen) {
         "  white_noise: {{horizontal_m: 0.010}}\n\n"
         "Every key:\n{}",
         simulation_schema().field_table()));
-    command->callback([&chosen, spec, folder] {
-        chosen = [spec, folder] { return simulate_to_folder(*spec, *folder); };
-    });
 }
 
 }  // namespace runcert

@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -26,10 +25,8 @@ struct SurfaceOptions {
 
 /// What a surface takes from a run: its judged receiver's positions, and what they come from.
 struct ReadRun {
-    std::string id;
-    std::vector<std::string> recordings;
+    EarlierRun run;
     ScreenedTable positions;
-    double antenna_height_m = 0.0;
     InputFile input;
 };
 
@@ -44,15 +41,15 @@ ReadRun read_run(const std::filesystem::path& folder) {
                                   run.attempt().id),
                       "Add antenna_height_m to its receiver, as measured by tape, and certify it "
                       "again");
-    ReadRun read{.id = run.attempt().id,
-                 .recordings = {},
-                 .positions = run.read(products::screened, receiver, read_screened),
-                 .antenna_height_m = *receiver.antenna_height_m,
-                 .input = run.inputs().back()};
-    read.input.file = read.id + "/" + read.input.file;
+    const std::string& id = run.attempt().id;
+    ReadRun read{
+        .run = {.id = id, .recordings = {}, .antenna_height_m = *receiver.antenna_height_m},
+        .positions = run.read(products::screened, receiver, read_screened),
+        .input = run.inputs().back()};
+    read.input.file = id + "/" + read.input.file;
     const auto observations = run.open(products::observations, receiver, open_observations);
     for (const InputFile& input : observations.head().header.inputs)
-        if (input.role == "recording") read.recordings.push_back(input.sha256);
+        if (input.role == "recording") read.run.recordings.push_back(input.sha256);
     return read;
 }
 
@@ -70,12 +67,10 @@ int make_surface(const SurfaceOptions& options) {
     header.program_version = program_version();
     header.source_revision = source_revision();
     header.parameters = nlohmann::ordered_json::object();
-    for (const ReadRun& run : read) {
-        runs.push_back({.id = run.id,
-                        .recordings = run.recordings,
-                        .positions = &run.positions,
-                        .antenna_height_m = run.antenna_height_m});
-        header.inputs.push_back(run.input);
+    for (ReadRun& one : read) {
+        one.run.positions = &one.positions;
+        runs.push_back(one.run);
+        header.inputs.push_back(one.input);
     }
     SurfaceTable table = surface_of_runs(runs);
     table.header = std::move(header);
@@ -91,14 +86,14 @@ int make_surface(const SurfaceOptions& options) {
 }  // namespace
 
 void add_surface(CLI::App& app, Command& chosen) {
-    auto options = std::make_shared<SurfaceOptions>();
-    CLI::App* command =
-        app.add_subcommand("surface", "Make the surface of a course from earlier runs over it");
-    command->add_option("RUN", options->runs, "folders of certified runs over the course")
-        ->required();
-    command->add_option("--out", options->out, "file to write (ECSV)")->required();
-    command->add_flag("--force", options->force, "replace the file if it exists");
-    command->footer(
+    auto [line, options] = add_command<SurfaceOptions>(
+        app, chosen, "surface", "Make the surface of a course from earlier runs over it",
+        make_surface);
+    line.texts("RUN", options.runs, "folders of certified runs over the course",
+               CommandLine::required);
+    line.text("--out", options.out, "file to write (ECSV)", CommandLine::required);
+    line.flag("--force", options.force, "replace the file if it exists");
+    line.footer(
         "The ground under the first receivers of the runs: heights on a grid of 5 m, by least\n"
         "squares. What has no positions on both sides is left out; five runs that cover the width\n"
         "of the course suffice. Each attempt states antenna_height_m.\n\n"
@@ -109,8 +104,6 @@ void add_surface(CLI::App& app, Command& chosen) {
         "      surface: {file: course.ecsv, source: runs of the day before}\n\n"
         "The file names the recordings that it was made from. An attempt with one of these is\n"
         "refused: a run cannot check itself.");
-    command->callback(
-        [&chosen, options] { chosen = [options] { return make_surface(*options); }; });
 }
 
 }  // namespace runcert

@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 
 #include "commands.h"
@@ -111,25 +110,19 @@ int timestamp(const TimestampOptions& options) {
 }  // namespace
 
 void add_timestamp(CLI::App& app, Command& chosen) {
-    auto options = std::make_shared<TimestampOptions>();
-    CLI::App* command =
-        app.add_subcommand("timestamp", "Have signatures time-stamped by an authority (RFC 3161)");
-    command->add_option("RUN_DIR", options->run_dir, "the folder of a signed run")->required();
-    CLI::Option* reply = command->add_option("--reply", options->reply,
-                                             "what the authority answered to one of the queries");
-    command
-        ->add_option("--ca", options->cas,
-                     "certificate (PEM) of the root that the authority is under; may be repeated")
-        ->allow_extra_args(false)
-        ->needs(reply);
-    command->footer(
+    auto [line, options] = add_command<TimestampOptions>(
+        app, chosen, "timestamp", "Have signatures time-stamped by an authority (RFC 3161)",
+        timestamp);
+    line.text("RUN_DIR", options.run_dir, "the folder of a signed run", CommandLine::required);
+    line.text("--reply", options.reply, "what the authority answered to one of the queries");
+    line.texts("--ca", options.cas,
+               "certificate (PEM) of the root that the authority is under; may be repeated");
+    line.need("--ca", "--reply");
+    line.footer(
         "Without --reply: writes SIGNATURE.tsq for every signature that has no time stamp, and "
-        "says "
-        "how to send\nit. With it: finds the query that the reply answers, checks it and stores it "
-        "as SIGNATURE.tsr.\nNothing is sent by this program. Whether a certificate was revoked is "
-        "not looked at.\n"
-        "Exit status: 0 done, 2 it could not be done.");
-    command->callback([&chosen, options] { chosen = [options] { return timestamp(*options); }; });
+        "says how to send\nit. With it: finds the query that the reply answers, checks it and "
+        "stores it as SIGNATURE.tsr.\nNothing is sent by this program. Whether a certificate was "
+        "revoked is not looked at.\nExit status: 0 done, 2 it could not be done.");
 }
 
 }  // namespace runcert

@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -72,6 +71,10 @@ SignatureRules read_rules(const VerifyOptions& options) {
 /// last line names it.
 constexpr std::array<std::string_view, 3> beside_the_decision{"bundle", "time stamps", "pages"};
 
+bool fails(const VerificationStep& step) {
+    return step.is(LayerAnswer::not_verified);
+}
+
 /// All that `runcert verify` found.
 struct VerificationResult {
     std::vector<VerificationStep> layers{};
@@ -80,11 +83,7 @@ struct VerificationResult {
     std::string missing_sandbox{};  ///< here, of programs of others that read the folder
 
     /// No layer says no.
-    bool passed() const {
-        return std::ranges::none_of(layers, [](const VerificationStep& step) {
-            return step.is(LayerAnswer::not_verified);
-        });
-    }
+    bool passed() const { return std::ranges::none_of(layers, fails); }
     /// The figures were computed again. What a key signs may have been written by hand.
     bool recomputed() const {
         return std::ranges::any_of(layers, [](const VerificationStep& step) {
@@ -109,9 +108,6 @@ struct VerificationResult {
     }
     /// What does not hold first, and what to do; empty where all does.
     std::string fault() const {
-        const auto fails = [](const VerificationStep& step) {
-            return step.is(LayerAnswer::not_verified);
-        };
         const auto first = std::ranges::find_if(layers, fails);
         if (first == layers.end()) return {};
         const bool of_signatures = first->what == "signatures" || first->what == "attestations";
@@ -147,15 +143,8 @@ struct AnswerWords {
 
 AnswerWords words_of(const VerificationStep& step) {
     if (!step.answer) return {"-", "nothing to check"};
-    switch (*step.answer) {
-        case LayerAnswer::verified:
-            return {"yes", "verified"};
-        case LayerAnswer::not_verified:
-            return {"NO", "not verified"};
-        case LayerAnswer::not_checkable:
-            return {"?", "not checkable here"};
-    }
-    return {};
+    if (step.is(LayerAnswer::verified)) return {"yes", "verified"};
+    return fails(step) ? AnswerWords{"NO", "not verified"} : AnswerWords{"?", "not checkable here"};
 }
 
 Json text_or_null(const std::string& text) {
@@ -218,14 +207,8 @@ std::string verification_text(const VerificationResult& result) {
 }
 
 std::string exit_meaning(const VerificationResult& result) {
-    switch (result.exit_status()) {
-        case 1:
-            return "some of it does not hold";
-        case 2:
-            return "what decides could not be checked here";
-        default:
-            break;
-    }
+    if (result.exit_status() == 1) return "some of it does not hold";
+    if (result.exit_status() == 2) return "what decides could not be checked here";
     if (!result.recomputed())
         return "all that was checked holds; the figures were not computed again";
     return result.unchecked().empty() ? "all of it holds"
@@ -255,8 +238,7 @@ std::string verification_json(const VerificationResult& result) {
 bool found_a_fault(const VerificationResult& result) {
     return std::ranges::any_of(result.layers,
                                [](const VerificationStep& step) {
-                                   return step.is(LayerAnswer::not_verified) &&
-                                          step.what != "signatures";
+                                   return fails(step) && step.what != "signatures";
                                }) ||
            std::ranges::any_of(result.signers, &Signer::broken);
 }
@@ -306,11 +288,11 @@ int verify(const VerifyOptions& options) {
         if (bundle) add_deviation(*sums, deviation_of_bundle(given, run_dir), report);
         result.layers.push_back(std::move(*sums));
     }
-    result.layers.push_back(verify_files(run_dir, report));
-    result.layers.push_back(verify_chain(run_dir, report));
-    result.layers.push_back(verify_schemas(run_dir, report));
-    result.layers.push_back(verify_rules(run_dir));
-    result.layers.push_back(verify_report(run_dir, report));
+    for (VerificationStep& layer :
+         std::array{verify_files(run_dir, report), verify_chain(run_dir, report),
+                    verify_schemas(run_dir, report), verify_rules(run_dir),
+                    verify_report(run_dir, report)})
+        result.layers.push_back(std::move(layer));
     add_long_layer(result, options.keep_going, "contents",
                    [&] { return verify_report_text(run_dir, report); });
     SignatureLayers signatures = verify_signatures(run_dir, report, rules);
@@ -332,85 +314,66 @@ int verify(const VerifyOptions& options) {
     return result.exit_status();
 }
 
-void add_options(CLI::App& command, VerifyOptions& options) {
-    command
-        .add_option("RUN_DIR", options.run_dir,
-                    "the folder of a certified run, or a bundle of one (.tar.zst, .zip)")
-        ->required();
-    // One value each time, so that a folder may follow it.
-    CLI::Option* keys =
-        command
-            .add_option(
-                "--pubkey", options.public_keys,
-                "public key of who signed (runcert keygen, minisign, OpenSSH), which counts "
-                "in every role, or as ROLE=KEY in that one; may be repeated. No roster "
-                "vouches for it")
-            ->allow_extra_args(false);
-    command
-        .add_option("--roster", options.roster,
-                    "whose signatures count: OpenSSH's allowed signers, the principals being roles")
-        ->excludes(keys);
-    command
-        .add_option("--tsa-ca", options.time_stamp_cas,
-                    "certificate (PEM) of a root that time stamps are accepted under; may be "
-                    "repeated. Without it they are not checked, and do not count")
-        ->allow_extra_args(false);
-    command.add_option(
+void add_options(CommandLine& line, VerifyOptions& options) {
+    line.text("RUN_DIR", options.run_dir,
+              "the folder of a certified run, or a bundle of one (.tar.zst, .zip)",
+              CommandLine::required);
+    line.texts("--pubkey", options.public_keys,
+               "public key of who signed (runcert keygen, minisign, OpenSSH), which counts in "
+               "every role, or as ROLE=KEY in that one; may be repeated. No roster vouches for it");
+    line.text("--roster", options.roster,
+              "whose signatures count: OpenSSH's allowed signers, the principals being roles");
+    line.exclude("--roster", {"--pubkey"});
+    line.texts("--tsa-ca", options.time_stamp_cas,
+               "certificate (PEM) of a root that time stamps are accepted under; may be repeated. "
+               "Without it they are not checked, and do not count");
+    line.text(
         "--at", options.at,
-        "the time at which keys must be valid, for signatures without a checked time "
-        "stamp, as 2026-11-21T20:41:50Z (default: the present)");
-    command.add_flag("--recompute", options.recompute,
-                     "run every stage again and compare every file");
-    command.add_flag("--keep-going", options.keep_going,
-                     "render pages and recompute even where another layer found a fault");
-    command.add_flag("--json", options.json, "print one JSON document instead");
-    add_time_limit(command);
+        "the time at which keys must be valid, for signatures without a checked time stamp, as "
+        "2026-11-21T20:41:50Z (default: the present)");
+    line.flag("--recompute", options.recompute, "run every stage again and compare every file");
+    line.flag("--keep-going", options.keep_going,
+              "render pages and recompute even where another layer found a fault");
+    line.flag("--json", options.json, "print one JSON document instead");
+    add_time_limit(line.app());
 }
 
 }  // namespace
 
 void add_verify(CLI::App& app, Command& chosen) {
-    auto options = std::make_shared<VerifyOptions>();
-    CLI::App* command = app.add_subcommand(
-        "verify",
-        "Check a run folder: every hash, the whole chain, schemas, rules, signatures, pages");
-    add_options(*command, *options);
-    command->footer(
+    auto [line, options] = add_command<VerifyOptions>(
+        app, chosen, "verify",
+        "Check a run folder: every hash, the whole chain, schemas, rules, signatures, pages",
+        verify);
+    add_options(line, options);
+    line.footer(
         std::string() +
-        "A roster has a line for each key, as `runcert keygen` prints it:\n"
-        "  measurer,observer namespaces=\"*@runcert\",valid-after=\"20260101Z\","
-        "valid-before=\"20280101Z\" ssh-ed25519 AAAA... WHO\n"
-        "Roles may hold * and ?, and ! in front refuses; namespaces are ROLE@runcert. Times are "
-        "YYYYMMDD,\nYYYYMMDDHHMM or YYYYMMDDHHMMSS, in UTC with a Z behind them (recommended), "
-        "else in the local time of\nthe computer that verifies. Keys of type ssh-ed25519 serve for "
-        "minisign's signatures too, others for\nthose of ssh-keygen alone.\n"
-        "A line \"#runcert signatures judge=2,measurer\" in it asks for these signatures, whatever "
-        "rule and\nattempt ask for; of each role the most counts. \"#runcert close judge\" says "
-        "who closes\na run (default: the board).\n"
-        "A key must be valid at the time of the signature's checked time stamp, else at --at; what "
-        "the signer\nstates is shown, and must lie within the key's validity too. A key counts for "
-        "one role. Whether a\ncertificate of an authority was revoked is not looked at.\n"
-        "Each layer says yes, NO, or \"?\": it cannot be checked here, and why (a program is "
-        "missing, "
-        "or\nis another than made it). The last line names these: \"VERIFIED; pages not checked "
-        "here\".\nVERIFIED alone means that all was checked.\n"
-        "Without --recompute the verdict is at best \"signed, not recomputed\": whoever signs may "
-        "have\nwritten the figures by hand. Pages are rendered again each time.\n" +
+        "A roster has a line for each key, as `runcert keygen` prints it:\n  measurer,observer "
+        "namespaces=\"*@runcert\",valid-after=\"20260101Z\",valid-before=\"20280101Z\" "
+        "ssh-ed25519 AAAA... WHO\nRoles may hold * and ?, and ! in front refuses; namespaces are "
+        "ROLE@runcert. Times are YYYYMMDD,\nYYYYMMDDHHMM or YYYYMMDDHHMMSS, in UTC with a Z "
+        "behind them (recommended), else in the local time of\nthe computer that verifies. Keys "
+        "of type ssh-ed25519 serve for minisign's signatures too, others for\nthose of ssh-keygen "
+        "alone.\nA line \"#runcert signatures judge=2,measurer\" in it asks for these signatures, "
+        "whatever rule and\nattempt ask for; of each role the most counts. \"#runcert close "
+        "judge\" says who closes\na run (default: the board).\nA key must be valid at the time of "
+        "the signature's checked time stamp, else at --at; what the signer\nstates is shown, and "
+        "must lie within the key's validity too. A key counts for one role. Whether "
+        "a\ncertificate of an authority was revoked is not looked at.\nEach layer says yes, NO, "
+        "or \"?\": it cannot be checked here, and why (a program is missing, or\nis another than "
+        "made it). The last line names these: \"VERIFIED; pages not checked here\".\nVERIFIED "
+        "alone means that all was checked.\nWithout --recompute the verdict is at best \"signed, "
+        "not recomputed\": whoever signs may have\nwritten the figures by hand. Pages are "
+        "rendered again each time.\n" +
         bundle_limits_words() +
         "\nThe standing counts answers (runcert attest) and signatures by keys of the roster: it "
-        "is\n"
-        "complete where each requirement is met or attested, all signatures stand, and the close\n"
-        "(attest --close) lists them all. A roster that lies in the run vouches for nothing. What "
-        "is\n"
-        "open, or was answered no, does not change the exit status; an attestation that is not as "
-        "it\n"
-        "was signed does.\n"
-        "Exit status: 0 verified, or signed and not recomputed; 1 not verified; 2 not checkable, "
-        "as "
-        "where\n--recompute could not be done. Pages, time stamps and the form of a "
-        "bundle "
-        "do not change it\nwhere they cannot be checked.");
-    command->callback([&chosen, options] { chosen = [options] { return verify(*options); }; });
+        "is\ncomplete where each requirement is met or attested, all signatures stand, and the "
+        "close\n(attest --close) lists them all. A roster that lies in the run vouches for "
+        "nothing. What is\nopen, or was answered no, does not change the exit status; an "
+        "attestation that is not as it\nwas signed does.\nExit status: 0 verified, or signed and "
+        "not recomputed; 1 not verified; 2 not checkable, as where\n--recompute could not be "
+        "done. Pages, time stamps and the form of a bundle do not change it\nwhere they cannot be "
+        "checked.");
 }
 
 }  // namespace runcert

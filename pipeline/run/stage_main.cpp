@@ -23,7 +23,6 @@ namespace {
 
 /// Reads the command line; the exit status where it asked for help or the version.
 std::optional<int> parsed(CLI::App& app, int argc, char** argv) {
-    app.set_version_flag("--version", fmt::format("{} {}", program_version(), source_revision()));
     try {
         app.parse(argc, argv);
     } catch (const CLI::Success& help) {
@@ -69,25 +68,40 @@ void CommandLine::word(const std::string& name, std::string& value, const std::s
                        const std::vector<std::string>& words, Need need) {
     app_.add_option(name, value, about)
         ->required(need == Need::required)
-        ->check(CLI::IsMember(words));
+        ->check(CLI::IsMember(words).description(""));
 }
 
 void CommandLine::texts(const std::string& name, std::vector<std::string>& values,
-                        const std::string& about) {
-    app_.add_option(name, values, about)->allow_extra_args(false);
+                        const std::string& about, Need need) {
+    app_.add_option(name, values, about)
+        ->required(need == Need::required)
+        ->allow_extra_args(!name.starts_with("-"));
 }
 
 void CommandLine::integer(const std::string& name, std::int64_t& value, const std::string& about,
                           std::int64_t least, std::int64_t most) {
-    app_.add_option(name, value, about)->check(CLI::Range(least, most));
+    app_.add_option(name, value, about)->check(CLI::Range(least, most).description(""));
 }
 
 void CommandLine::flag(const std::string& name, bool& value, const std::string& about) {
     app_.add_flag(name, value, about);
 }
 
-void CommandLine::exclude(const std::string& one, const std::string& other) {
-    app_.get_option(one)->excludes(app_.get_option(other));
+void CommandLine::exclude(const std::string& one, const std::vector<std::string>& others) {
+    for (const std::string& other : others)
+        app_.get_option(one)->excludes(app_.get_option(other));
+}
+
+void CommandLine::need(const std::string& one, const std::string& other) {
+    app_.get_option(one)->needs(app_.get_option(other));
+}
+
+void CommandLine::show_default(const std::string& name) {
+    app_.get_option(name)->capture_default_str();
+}
+
+void CommandLine::footer(const std::string& text) {
+    app_.footer(text);
 }
 
 int guarded_main(const std::function<int()>& body) {
@@ -123,10 +137,10 @@ int guarded_main(const std::function<int()>& body) {
     return 2;
 }
 
-int reader_main(int argc, char** argv, const std::string& name, const std::string& summary,
+int reader_main(int argc, char** argv, const std::string& summary,
                 const std::function<void(CommandLine&)>& options, const std::function<int()>& run) {
     return guarded_main([&]() -> int {
-        CLI::App app(summary, "runcert-" + name);
+        CLI::App app(summary, std::filesystem::path(argv[0]).filename());
         CommandLine line(app);
         options(line);
         const auto status = parsed(app, argc, argv);
@@ -146,6 +160,8 @@ int stage_main(int argc, char** argv, const std::string& stage, const std::strin
         app.add_option("--run-dir", run_dir, "folder of the run's files")->required();
         CommandLine line(app);
         if (options) options(line);
+        app.set_version_flag("--version",
+                             fmt::format("{} {}", program_version(), source_revision()));
         if (const auto status = parsed(app, argc, argv)) return *status;
         if (before) before();
         StageRun run(stage, attempt, run_dir);

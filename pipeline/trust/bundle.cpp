@@ -288,6 +288,22 @@ fs::path GivenRun::kept() {
     return kept;
 }
 
+int read_given(const fs::path& given, const std::function<int(const fs::path& folder)>& read) {
+    const GivenRun run(given);
+    const auto by_its_name = [&](std::string said) {
+        replace_all(said, run.folder().string(), given.string());
+        return said;
+    };
+    try {
+        require_known_versions(run.folder());
+        return read(run.folder());
+    } catch (const Failure& failure) {
+        if (!run.is_bundle()) throw;
+        throw Failure(by_its_name(failure.where()), by_its_name(failure.problem()),
+                      by_its_name(failure.remedy()));
+    }
+}
+
 std::vector<std::string> unknown_files(const std::filesystem::path& run_dir) {
     return contents_of(run_dir, bundled_report(run_dir)).unknown;
 }

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -114,6 +115,11 @@ class GivenRun {
     std::optional<UnpackedBundle> bundle_;
     std::filesystem::path folder_;
 };
+
+/// What `read` gives of the folder of a run, whose files must be of versions that this program
+/// reads. Failures call a bundle by its name.
+int read_given(const std::filesystem::path& given,
+               const std::function<int(const std::filesystem::path& folder)>& read);
 
 // How much a run may hold to be bundled and verified: far more than any that is certified, far less
 // than fills a disk.

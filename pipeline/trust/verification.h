@@ -183,8 +183,13 @@ void take_report(const std::filesystem::path& run_dir, const std::filesystem::pa
 /// Which of `page_names` a run folder holds, as files and no links.
 std::vector<std::string> pages_in(const std::filesystem::path& run_dir);
 
-/// The SHA-256 of the roster that report.html was made with, as it says; empty where it names none.
-std::string roster_of_pages(const std::filesystem::path& run_dir);
+/// Whether a file lies in a run folder, or is the run itself, and so is the sender's word.
+bool lies_in(const std::filesystem::path& file, const std::filesystem::path& run_dir);
+
+/// Failure where the roster named lies in the run: pages go by the reader's own. Empty is none.
+/// Also, for what makes or packs pages, where they go by a roster already, and this is not it.
+void require_own_roster(const std::string& roster, const std::filesystem::path& run_dir,
+                        bool for_pages = false);
 
 /// A signature to be judged; `stamped` is the time of its time stamp where that holds.
 struct SignatureCase {

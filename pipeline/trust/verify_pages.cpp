@@ -273,6 +273,16 @@ std::string finding_of(const VerificationStep& step, const char* verified, const
                                                 : "not all could be checked here";
 }
 
+/// The SHA-256 of the roster that report.html was made with, as it says; empty where it names none.
+std::string roster_of_pages(const fs::path& run_dir) {
+    if (!fs::is_regular_file(fs::symlink_status(run_dir / html_file))) return {};
+    const auto standing =
+        nlohmann::json::parse(carried(read_file(run_dir / html_file), "standing"), nullptr, false);
+    if (!standing.is_object()) return {};
+    const auto roster = standing.find("roster_sha256");
+    return roster != standing.end() && roster->is_string() ? roster->get<std::string>() : "";
+}
+
 }  // namespace
 
 std::vector<std::string> pages_in(const fs::path& run_dir) {
@@ -283,13 +293,24 @@ std::vector<std::string> pages_in(const fs::path& run_dir) {
     return pages;
 }
 
-std::string roster_of_pages(const fs::path& run_dir) {
-    if (!fs::is_regular_file(fs::symlink_status(run_dir / html_file))) return {};
-    const auto standing =
-        nlohmann::json::parse(carried(read_file(run_dir / html_file), "standing"), nullptr, false);
-    if (!standing.is_object()) return {};
-    const auto roster = standing.find("roster_sha256");
-    return roster != standing.end() && roster->is_string() ? roster->get<std::string>() : "";
+bool lies_in(const fs::path& file, const fs::path& run_dir) {
+    std::error_code ignored;
+    const fs::path inner = fs::weakly_canonical(file, ignored);
+    const fs::path outer = fs::weakly_canonical(run_dir, ignored);
+    return std::ranges::mismatch(outer, inner).in1 == outer.end();
+}
+
+void require_own_roster(const std::string& roster, const fs::path& run_dir, bool for_pages) {
+    if (!roster.empty() && lies_in(roster, run_dir))
+        throw Failure(roster, "this roster lies in the run, and vouches for nothing",
+                      "Give the roster that you have from the body itself");
+    const std::string shown_by = for_pages ? roster_of_pages(run_dir) : "";
+    if (shown_by.empty() || (!roster.empty() && sha256_hex(read_handwritten(roster)) == shown_by))
+        return;
+    throw Failure((run_dir / "report.html").string(),
+                  "the pages go by the roster with the SHA-256 " + shown(shown_by),
+                  "Give that one with --roster; or first make them again by yours: runcert attest "
+                  "RUN --render --roster ROSTER");
 }
 
 VerificationStep verify_pages(const fs::path& run_dir, const ReportFacts& report,

@@ -14,6 +14,7 @@
 #include "run/stage_main.h"
 #include "store/atomic_file.h"
 #include "store/program.h"
+#include "trust/bundle.h"
 #include "trust/verification.h"
 
 using namespace runcert;
@@ -25,13 +26,6 @@ struct Options {
     std::string html;
     WalkOptions walk;
 };
-
-void require_known(const std::string& option, const std::string& word,
-                   const std::vector<std::string>& known, const std::string& what) {
-    if (std::ranges::find(known, word) != known.end()) return;
-    throw Failure(option, fmt::format("{} \"{}\"", what, escape_for_message(word)),
-                  fmt::format("Choose one of: {}", fmt::join(known, ", ")));
-}
 
 /// The files beside report.json that carry its name.
 std::vector<std::string> signatures_in(const std::filesystem::path& run_dir) {
@@ -64,22 +58,21 @@ void read_report(StageRun& run, RunRecord& record) {
     record.files = run.inputs();
 }
 
-Document audit(const Options& options) {
+Document audit(const std::filesystem::path& run_dir, const Options& options) {
+    const std::vector<std::string>& known = audited_stages();
     for (const std::string& stage : options.walk.stages)
-        require_known("--stage", stage, audited_stages(), "there is no stage");
-    StageRun run = open_run("audit", options.run_dir);
+        if (std::ranges::find(known, stage) == known.end())
+            throw Failure("--stage",
+                          fmt::format("there is no stage \"{}\"", escape_for_message(stage)),
+                          fmt::format("Choose one of: {}", fmt::join(known, ", ")));
+    StageRun run = open_run("audit", run_dir);
     RunRecord record{read_run_view(run, Reading::what_is_there)};
-    record.signatures = signatures_in(options.run_dir);
+    record.signatures = signatures_in(run_dir);
     read_report(run, record);
     if (holds_nothing(record))
-        throw Failure(options.run_dir, "the folder holds no file of any stage",
+        throw Failure(run_dir.string(), "the folder holds no file of any stage",
                       "Name a folder that `runcert certify` wrote");
-    std::vector<std::string> receivers;
-    for (const Receiver& receiver : record.attempt.receivers)
-        receivers.push_back(receiver.id);
-    if (!options.walk.receiver.empty())
-        require_known("--receiver", options.walk.receiver, receivers,
-                      "the attempt has no receiver");
+    if (!options.walk.receiver.empty()) receiver_of(record.attempt, options.walk.receiver);
     return walk_through(record, options.walk);
 }
 
@@ -88,23 +81,35 @@ Document audit(const Options& options) {
 int main(int argc, char** argv) {
     Options options;
     return reader_main(
-        argc, argv, "audit", "A walk through a run: every input, decision and result",
+        argc, argv, audit_program.summary,
         [&](CommandLine& line) {
-            line.text("RUN_DIR", options.run_dir, "folder of a certified run",
-                      CommandLine::Need::required);
-            line.texts("--stage", options.walk.stages, "this stage alone (may be repeated)");
-            line.text("--receiver", options.walk.receiver, "which receiver (default: all)");
-            line.flag("--all", options.walk.all, "hashes, parameters and epochs used in full");
-            line.text("--html", options.html, "write the walk to this file, as one page");
+            line.text("RUN_DIR", options.run_dir, "folder that certify wrote, or a bundle of one",
+                      CommandLine::required);
+            line.texts("--stage", options.walk.stages,
+                       "import, enu, screen, smooth, window or check alone (may be repeated)");
+            line.text("--receiver", options.walk.receiver, "id of the receiver (default: all)");
+            line.flag("--all", options.walk.all,
+                      "nothing cut: hashes in full, every parameter, the epochs used one by one");
+            line.text("--html", options.html,
+                      "write the walk to this file as one page, instead of printing it");
+            line.footer(
+                "What the run is and who made its files; then for each stage and receiver what "
+                "came in,\nwith its hash, what went out, every decision with its evidence and its "
+                "line in the\nrecording, and every parameter or figure of a rule that the attempt "
+                "replaced. Files that\nare missing are named. Every hash that a file names of "
+                "another is computed again; one\nthat does not hold ends the audit with status 2. "
+                "In the run folder nothing is written.");
         },
         [&]() -> int {
-            const Document walk = audit(options);
-            if (options.html.empty()) {
-                fmt::print("{}", document_text(walk, terminal_columns()));
+            return read_given(options.run_dir, [&](const std::filesystem::path& run_dir) {
+                const Document walk = audit(run_dir, options);
+                if (options.html.empty()) {
+                    fmt::print("{}", document_text(walk, terminal_columns()));
+                    return 0;
+                }
+                write_file_atomically(options.html, document_page(walk));
+                fmt::print("{}\n", escape_for_message(options.html, options.html.size()));
                 return 0;
-            }
-            write_file_atomically(options.html, document_page(walk));
-            fmt::print("{}\n", escape_for_message(options.html, options.html.size()));
-            return 0;
+            });
         });
 }

@@ -89,12 +89,6 @@ std::vector<Change> as_changes(const std::string& of, const Json& a, const Json&
     return changes;
 }
 
-std::string maker_of(const Json& header) {
-    const Json* stage = member_of(&header, "stage");
-    return fmt::format("runcert {}, source {}", text_in(stage, "version"),
-                       text_in(stage, "source_revision"));
-}
-
 /// Adds what the headers of a product say of its programs and parameters. Files of the same two
 /// programs stand together; what the files of all receivers say stands once.
 void add_header_changes(RunCauses& causes, const std::string& product, const Json& a,
@@ -169,6 +163,12 @@ std::vector<ValueDifference> document_difference(RunDifference& difference, cons
 }
 
 }  // namespace
+
+std::string maker_of(const Json& header) {
+    const Json* stage = member_of(&header, "stage");
+    return fmt::format("runcert {}, source {}", text_in(stage, "version"),
+                       text_in(stage, "source_revision"));
+}
 
 std::map<std::string, std::int64_t> EpochDifference::counts() const {
     std::map<std::string, std::int64_t> counted;

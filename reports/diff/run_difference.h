@@ -16,6 +16,9 @@ namespace runcert {
 /// holds what cannot be read.
 RunCauses causes_between(const std::filesystem::path& a, const std::filesystem::path& b);
 
+/// Who made a product, by its header: "runcert 1.0.0, source 1234abcd".
+std::string maker_of(const nlohmann::ordered_json& header);
+
 /// Compares two run folders, inputs by the files that are there. Failure as `causes_between`.
 RunDifference difference_of_runs(const std::filesystem::path& a, const std::filesystem::path& b);
 

@@ -13,8 +13,8 @@
 #include "run/reported_files.h"
 #include "run/stage_main.h"
 #include "store/atomic_file.h"
-#include "store/program.h"
 #include "trust/attestation.h"
+#include "trust/bundle.h"
 #include "trust/roster.h"
 #include "trust/run_standing.h"
 
@@ -52,10 +52,10 @@ std::vector<std::string> check_inputs(StageRun& run, const Verdict& verdict) {
 
 /// Adds what was answered since the verdict was made, and where each rule stands by it. Returns
 /// whether second files count.
-bool add_answers(Verdict& verdict, Options& options) {
-    if (options.roster.empty() && envelope_files(options.run_dir).empty()) return false;
-    const RunStanding standing = stated_standing(
-        options.run_dir, read_report_facts(options.run_dir), read_roster(options.roster));
+bool add_answers(Verdict& verdict, const std::filesystem::path& run_dir, Options& options) {
+    if (options.roster.empty() && envelope_files(run_dir).empty()) return false;
+    const RunStanding standing =
+        stated_standing(run_dir, read_report_facts(run_dir), read_roster(options.roster));
     if (standing.with_files) verdict.profiles = verdict.with_files;
     for (const RuleStanding& rule : standing.rules) {
         options.what.vouched_by = rule.state.vouched_by;
@@ -67,15 +67,15 @@ bool add_answers(Verdict& verdict, Options& options) {
     return standing.with_files;
 }
 
-std::string explain_run(Options& options) {
-    StageRun run = open_run("explain", options.run_dir);
+std::string explain_run(const std::filesystem::path& run_dir, Options& options) {
+    StageRun run = open_run("explain", run_dir);
     run.note_attempt();
     Verdict verdict = run.read(products::verdict, read_verdict);
-    const std::vector<Profile> profiles = read_claimed_rules(options.run_dir, run.attempt());
+    const std::vector<Profile> profiles = read_claimed_rules(run_dir, run.attempt());
     for (const std::string& claimed : run.attempt().profiles)
         run.note_file("profile", profile_copy_name(claimed));
     const std::vector<std::string> missing = check_inputs(run, verdict);
-    const bool with_files = add_answers(verdict, options);
+    const bool with_files = add_answers(verdict, run_dir, options);
     Windows& windows = options.what.windows;
     const Receiver& judged = run.attempt().receivers.front();
     if (std::filesystem::exists(run.run_dir() / run.file_of(products::windows, judged)))
@@ -111,11 +111,12 @@ std::string builtin_profiles_text(const Options& options) {
 int main(int argc, char** argv) {
     Options options;
     return reader_main(
-        argc, argv, "explain", "What decides a verdict, clause by clause, in plain words",
+        argc, argv, explain_program.summary,
         [&](CommandLine& line) {
-            line.text("RUN_DIR", options.run_dir, "folder of a certified run");
-            line.text("CLAUSE", options.what.clause, "clause, or outcome (default: all in short)");
-            line.text("--profile", options.what.profile, "which profile (default: all)");
+            line.text("RUN_DIR", options.run_dir, "folder that certify wrote, or a bundle of one");
+            line.text("CLAUSE", options.what.clause,
+                      "flat-course, nalsa/flat-course, or outcome (default: all in short)");
+            line.text("--profile", options.what.profile, "id of the profile (default: all)");
             line.text("--roster", options.roster, "whose answers and signatures count");
             line.flag("--profiles", options.profiles,
                       "list the profiles that come with the program");
@@ -123,20 +124,35 @@ int main(int argc, char** argv) {
                       "with --profiles: a table of their clauses, and where each is known from");
             line.flag("--inputs", options.inputs,
                       "list who says what of an attempt, and who answers for it");
-            for (const char* without_run : {"--profiles", "--clauses", "--inputs"})
-                line.exclude(without_run, "RUN_DIR");
+            line.footer(
+                "Of a clause: its text and source, how its figure is computed and compared, the "
+                "figures\nwith their uncertainties, the limit, what the attempt replaced, the "
+                "outcome, and what a\nofficial must attest where the recording does not decide. "
+                "`outcome` or `decision` as\nCLAUSE explains how the record was compared with. "
+                "Hashes are checked; nothing is written.");
         },
         [&]() -> int {
+            require_own_roster(options.roster, options.run_dir);
             if (options.clauses && !options.profiles)
                 throw Failure("--clauses", "it is about the profiles that come with the program",
                               "Give --profiles, too");
-            if (!options.profiles && !options.inputs && options.run_dir.empty())
+            if (options.profiles || options.inputs) {
+                if (!options.run_dir.empty())
+                    throw Failure("the command line",
+                                  fmt::format("RUN_DIR excludes {}",
+                                              options.profiles ? "--profiles" : "--inputs"),
+                                  "See --help");
+                fmt::print("{}",
+                           options.profiles ? builtin_profiles_text(options) : inputs_table_text());
+                return 0;
+            }
+            if (options.run_dir.empty())
                 throw Failure("the command line", "no run folder is named",
                               "Name a folder that `runcert certify` wrote, or give --profiles or "
                               "--inputs");
-            fmt::print("{}", options.profiles ? builtin_profiles_text(options)
-                             : options.inputs ? inputs_table_text()
-                                              : explain_run(options));
-            return 0;
+            return read_given(options.run_dir, [&](const std::filesystem::path& run_dir) {
+                fmt::print("{}", explain_run(run_dir, options));
+                return 0;
+            });
         });
 }

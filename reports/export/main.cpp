@@ -8,7 +8,7 @@
 #include "run/attempt_files.h"
 #include "run/stage_main.h"
 #include "store/atomic_file.h"
-#include "store/program.h"
+#include "trust/bundle.h"
 
 using namespace runcert;
 
@@ -67,7 +67,7 @@ std::filesystem::path out_file(const Attempt& attempt, const Receiver& receiver,
     return name + "." + options.format;
 }
 
-void export_run(Options options) {
+int export_run(const std::filesystem::path& run_dir, Options options) {
     const bool map = options.format == "kml";
     if (!options.table.empty() && map)
         throw Failure("--table", "only --format csv exports a table",
@@ -76,7 +76,7 @@ void export_run(Options options) {
         throw Failure("--every", "a table is exported with all its rows",
                       "Leave it out, or export a map");
     if (options.table.empty()) options.table = products::trajectory.name;
-    StageRun run = open_run("export", options.run_dir);
+    StageRun run = open_run("export", run_dir);
     const Receiver& receiver = receiver_of(run.attempt(), options.receiver);
     const std::filesystem::path out = out_file(run.attempt(), receiver, options);
     const bool printed = out == "-";
@@ -85,9 +85,9 @@ void export_run(Options options) {
                       "Choose another name with --out, or replace it with --force");
     const std::string text =
         map ? map_text(run, receiver, options.every) : table_text(run, receiver, options.table);
-    if (printed) return fmt::print("{}", text);
-    write_file_atomically(out, text);
-    fmt::print("export    {}\n", out.string());
+    if (!printed) write_file_atomically(out, text);
+    fmt::print("{}", printed ? text : fmt::format("export    {}\n", out.string()));
+    return 0;
 }
 
 }  // namespace
@@ -95,23 +95,38 @@ void export_run(Options options) {
 int main(int argc, char** argv) {
     Options options;
     return reader_main(
-        argc, argv, "export", "A run for maps and spreadsheets",
+        argc, argv, export_program.summary,
         [&](CommandLine& line) {
-            line.text("RUN_DIR", options.run_dir, "folder of a certified run",
-                      CommandLine::Need::required);
+            line.text("RUN_DIR", options.run_dir, "folder that certify wrote, or a bundle of one",
+                      CommandLine::required);
             line.word("--format", options.format, "kml or csv", {"kml", "csv"},
-                      CommandLine::Need::required);
-            line.text("--out", options.out, "file to write, - for standard output");
-            line.word("--table", options.table, "of csv: which table",
+                      CommandLine::required);
+            line.text("--out", options.out,
+                      "file to write, - for standard output (default: the attempt's id with the "
+                      "format's ending, here)");
+            line.word("--table", options.table,
+                      "of csv: observations, imu, surface, enu, screened, trajectory (default), "
+                      "attitude or rule_speeds",
                       {"observations", "imu", "surface", "enu", "screened", "trajectory",
                        "attitude", of_rule_speeds});
-            line.text("--receiver", options.receiver, "which receiver (default: the first)");
-            line.integer("--every", options.every, "of a map: every so many epochs", 1,
+            line.text("--receiver", options.receiver,
+                      "id of the receiver (default: the first of the attempt, the one judged)");
+            line.integer("--every", options.every,
+                         "of a map: only every so many epochs of the track (default: 1, all)", 1,
                          1'000'000'000);
             line.flag("--force", options.force, "replace the file if it exists");
+            line.footer(
+                "KML: the smoothed track, cut at gaps; the best window of each rule, and faster "
+                "ones that\nwere refused, marked so; the course's lines. CSV: a table of the run, "
+                "one header row, no\ncomments. Its table rule_speeds has, for each epoch and rule, "
+                "the speed over the rule's\ntime or distance that ends there, by the smoothed "
+                "trajectory. Positions are WGS 84;\nheights are above the ellipsoid, not above sea "
+                "level (in KML the lines lie on the ground).\nA run in engineering coordinates is "
+                "on no map: of it, only CSV. Hashes are checked.");
         },
-        [&]() -> int {
-            export_run(options);
-            return 0;
+        [&] {
+            return read_given(options.run_dir, [&](const std::filesystem::path& run_dir) {
+                return export_run(run_dir, options);
+            });
         });
 }

@@ -195,11 +195,13 @@ int run_on_cluster(const BatchOrder& order, const std::vector<std::string>& task
             with(batch_command(order, to_do.size() <= few ? to_do : order.only), task_options);
         ProgressOptions plain = order.progress;
         if (plain.style == ProgressStyle::terminal) plain.style = ProgressStyle::plain;
-        make_progress(plain)->note(fmt::format(
-            "{} to be made by {}, {}. They go on if this call ends; the same command then goes on "
-            "from what is done.",
-            counted(static_cast<std::int64_t>(to_do.size()), "run"),
-            counted(static_cast<std::int64_t>(job.tasks), "task"), job.name));
+        make_progress(plain)(
+            {.what = Note{fmt::format("{} to be made by {}, {}. They go on if this call ends; the "
+                                      "same command then goes on "
+                                      "from what is done.",
+                                      counted(static_cast<std::int64_t>(to_do.size()), "run"),
+                                      counted(static_cast<std::int64_t>(job.tasks), "task"),
+                                      job.name)}});
         run_array(job);
     }
     return run_selected(order, day, selected, Work::looked_at);

@@ -16,6 +16,7 @@
 #include "core/failure.h"
 #include "core/text.h"
 #include "run/run_lock.h"
+#include "store/process.h"
 #include "store/program.h"
 
 namespace runcert {
@@ -105,6 +106,7 @@ void CommandLine::footer(const std::string& text) {
 }
 
 int guarded_main(const std::function<int()>& body) {
+    end_with_caller();
     // A file-size limit is then an error of the write, with a message, and not a sudden end.
     std::signal(SIGXFSZ, SIG_IGN);
     hold_standard_files();

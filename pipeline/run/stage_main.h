@@ -52,7 +52,8 @@ class CommandLine {
 };
 
 /// Runs `body` as a program's main: a Failure is printed on standard error in three lines (what,
-/// where, what to do) and gives exit status 2; so does memory that runs out.
+/// where, what to do) and gives exit status 2; so does memory that runs out. Where another program
+/// of ours runs this one, it ends with that one.
 int guarded_main(const std::function<int()>& body);
 
 /// Main of a stage program: reads `--attempt ATTEMPT.yaml --run-dir DIR` (and what `options` adds),

@@ -1,12 +1,10 @@
 #include "store/external_program.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
+#include <sys/resource.h>
 
 #include <algorithm>
-#include <array>
 #include <cstdlib>
-#include <optional>
 
 #include "core/failure.h"
 #include "core/text.h"
@@ -23,20 +21,6 @@ constexpr const char* bubblewrap = "bwrap";
 constexpr const char* nothing = "/usr/bin/true";
 
 using Arguments = std::vector<std::string>;
-
-/// The first file of that name which may be run, in absolute folders of a path.
-fs::path find_in(std::string_view path, std::string_view name) {
-    while (!path.empty()) {
-        const std::size_t end = std::min(path.find(':'), path.size());
-        const fs::path file = fs::path(path.substr(0, end)) / name;
-        std::error_code error;
-        if (file.is_absolute() && fs::is_regular_file(file, error) &&
-            access(file.c_str(), X_OK) == 0)
-            return fs::canonical(file);
-        path.remove_prefix(std::min(end + 1, path.size()));
-    }
-    return {};
-}
 
 bool is_below(const fs::path& file, std::string_view folder) {
     return file.string().starts_with(folder);
@@ -64,7 +48,8 @@ Arguments system_binds() {
 
 /// How bubblewrap shuts in: an own everything, and another user, so that a program that asks who
 /// it runs for finds one in /etc/passwd, and always the same.
-Arguments shut_in(const fs::path& wrapper, const fs::path& folder, const Arguments& inputs) {
+Arguments shut_in(const fs::path& wrapper, const fs::path& folder,
+                  const std::vector<fs::path>& inputs) {
     Arguments arguments{
         wrapper.string(),    "--unshare-user", "--unshare-ipc", "--unshare-pid", "--unshare-net",
         "--unshare-uts",     "--uid",          "65534",         "--gid",         "65534",
@@ -72,49 +57,39 @@ Arguments shut_in(const fs::path& wrapper, const fs::path& folder, const Argumen
     const Arguments system = system_binds();
     arguments.insert(arguments.end(), system.begin(), system.end());
     append(arguments, {"--bind", folder.string(), folder.string()});
-    for (const std::string& input : inputs)
-        append(arguments, {"--ro-bind", input, input});
+    for (const fs::path& input : inputs)
+        append(arguments, {"--ro-bind", input.string(), input.string()});
     append(arguments,
            {"--remount-ro", "/", "--remount-ro", "/dev", "--chdir", folder.string(), "--"});
     return arguments;
 }
 
-struct Confinement {
-    Isolation isolation = Isolation::full;
-    fs::path wrapper = {};
-    std::string obstacle = {};  ///< why it is not full
+/// What a program that failed said, for a message.
+std::string reason_in(std::string_view said) {
+    return said.empty() ? "it gave no reason" : escape_for_message(said, 200);
+}
+
+struct Sandbox {
+    fs::path wrapper = find_program(system_path, bubblewrap);
+    std::string obstacle = "bubblewrap is not installed";  ///< why there is none; else empty
 };
 
-/// Why a trial of shutting nothing in failed; none where it did not.
-std::optional<std::string> obstacle_to(const Arguments& command, bool no_network) {
-    try {
-        const ProcessResult result = run_process(
-            command, {.closed_environment = true, .guarded = true, .no_network = no_network});
-        if (result.exit_status == 0) return std::nullopt;
-        const std::string_view said = trim(result.errors);
-        return escape_for_message(said.substr(0, said.find('\n')), 200);
-    } catch (const Failure& failure) {
-        return failure.problem();
-    }
+/// Found by trying it on nothing.
+Sandbox found_sandbox() {
+    Sandbox found;
+    if (found.wrapper.empty()) return found;
+    const TemporaryFolder folder;
+    Arguments command = shut_in(found.wrapper, fs::canonical(folder.path()), {});
+    command.emplace_back(nothing);
+    const ProcessResult result =
+        run_process(command, {.closed_environment = true, .guarded = true});
+    const std::string_view said = trim(result.errors);
+    found.obstacle = result.exit_status == 0 ? "" : reason_in(said.substr(0, said.find('\n')));
+    return found;
 }
 
-Confinement found_by_trying() {
-    Confinement found{.wrapper = find_in(system_path, bubblewrap)};
-    std::optional<std::string> obstacle = "bubblewrap is not installed";
-    if (!found.wrapper.empty()) {
-        const TemporaryFolder folder;
-        Arguments command = shut_in(found.wrapper, fs::canonical(folder.path()), {});
-        command.emplace_back(nothing);
-        obstacle = obstacle_to(command, false);
-    }
-    if (!obstacle) return found;
-    const bool connected = obstacle_to({nothing}, true).has_value();
-    return {.isolation = connected ? Isolation::limits_only : Isolation::no_network,
-            .obstacle = *obstacle};
-}
-
-const Confinement& confinement() {
-    static const Confinement found = found_by_trying();
+const Sandbox& sandbox() {
+    static const Sandbox found = found_sandbox();
     return found;
 }
 
@@ -133,19 +108,22 @@ fs::path require_program(std::string_view name) {
     return file;
 }
 
-Arguments texts_of(const std::vector<fs::path>& paths) {
-    Arguments texts;
-    for (const fs::path& path : paths)
-        texts.push_back(path.string());
-    return texts;
+/// One of the limits of a call, as prlimit takes it; no higher than the caller's own.
+std::string limit(const char* name, __rlimit_resource_t resource, std::uint64_t most) {
+    rlimit own{};
+    getrlimit(resource, &own);
+    return fmt::format("--{}={}", name, std::min<rlim_t>(own.rlim_cur, most));
 }
 
 Arguments command_line(const ExternalCall& call, const fs::path& program, const fs::path& folder) {
-    Arguments command;
-    if (isolation() == Isolation::full) {
-        Arguments inputs = texts_of(call.inputs);
-        if (!is_below(program, "/usr/")) inputs.push_back(program.parent_path().string());
-        command = shut_in(confinement().wrapper, folder, inputs);
+    Arguments command{"/usr/bin/prlimit", limit("as", RLIMIT_AS, call.limits.memory_bytes),
+                      limit("fsize", RLIMIT_FSIZE, call.limits.file_bytes),
+                      limit("core", RLIMIT_CORE, 0), "--"};
+    if (has_sandbox()) {
+        std::vector<fs::path> inputs = call.inputs;
+        if (!is_below(program, "/usr/")) inputs.push_back(program.parent_path());
+        const Arguments wrapped = shut_in(sandbox().wrapper, folder, inputs);
+        command.insert(command.end(), wrapped.begin(), wrapped.end());
     }
     command.push_back(program.string());
     command.insert(command.end(), call.command.begin() + 1, call.command.end());
@@ -164,25 +142,10 @@ ProcessResult run_in(const ExternalCall& call, const fs::path& program, const fs
                            .time_limit = call.limits.time,
                            .stop = call.stop,
                            .most_output = call.limits.output_bytes,
-                           .guarded = true,
-                           .most_memory = call.limits.memory_bytes,
-                           .longest_file = call.limits.file_bytes,
-                           .no_network = isolation() == Isolation::no_network};
+                           .guarded = true};
     options.environment.insert(options.environment.end(), call.environment.begin(),
                                call.environment.end());
     return run_process(command_line(call, program, folder), options);
-}
-
-std::string_view words_of(Isolation isolation) {
-    switch (isolation) {
-        case Isolation::full:
-            return "in a sandbox";
-        case Isolation::no_network:
-            return "without network";
-        case Isolation::limits_only:
-            return "not in a sandbox";
-    }
-    return {};
 }
 
 }  // namespace
@@ -200,7 +163,8 @@ const std::vector<ExternalProgram>& external_programs() {
 
 std::filesystem::path external_program_file(std::string_view name) {
     const char* other = std::getenv(other_path);
-    return find_in(other ? other : system_path, name);
+    const fs::path file = find_program(other ? other : system_path, name);
+    return file.empty() ? file : fs::canonical(file);
 }
 
 std::string missing_program_words(std::string_view name) {
@@ -232,33 +196,24 @@ std::string external_problem(const ExternalCall& call, const ProcessResult& resu
         return fmt::format("it did not end within {} s", call.limits.time.count());
     if (result.end == ProcessEnd::over_output)
         return fmt::format("it said more than {} MiB", call.limits.output_bytes >> 20);
-    const std::string_view said = trim(result.errors);
     return fmt::format("it ended with status {}: {}", result.exit_status,
-                       said.empty() ? "it gave no reason" : escape_for_message(said, 200));
+                       reason_in(trim(result.errors)));
 }
 
-Isolation isolation() {
-    return confinement().isolation;
+bool has_sandbox() {
+    return sandbox().obstacle.empty();
 }
 
 std::string isolation_word() {
-    switch (isolation()) {
-        case Isolation::full:
-            break;
-        case Isolation::no_network:
-            return "no_network";
-        case Isolation::limits_only:
-            return "limits_only";
-    }
-    return {};
+    return has_sandbox() ? "" : "limits_only";
 }
 
 std::string missing_sandbox() {
-    if (isolation() == Isolation::full) return {};
+    if (has_sandbox()) return {};
     return fmt::format(
-        "The sandbox is not in force ({}). Programs of others can read your files{}.",
-        confinement().obstacle,
-        isolation() == Isolation::no_network ? "" : ", and may reach the network");
+        "The sandbox is not in force ({}). Programs of others can read your files and may reach "
+        "the network, and what they start may outlive this program.",
+        sandbox().obstacle);
 }
 
 std::string external_programs_text() {
@@ -269,7 +224,8 @@ std::string external_programs_text() {
         text += file.empty()
                     ? fmt::format("missing: install the package {}\n", program.package)
                     : fmt::format("{}, SHA-256 {}..., {}\n", escape_for_message(file.string(), 200),
-                                  digest_file(file).sha256.substr(0, 16), words_of(isolation()));
+                                  digest_file(file).sha256.substr(0, 16),
+                                  has_sandbox() ? "in a sandbox" : "not in a sandbox");
     }
     if (const std::string missing = missing_sandbox(); !missing.empty()) text += missing + "\n";
     return text;

@@ -68,31 +68,25 @@ struct ExternalCall {
 /// so never taken for an option. Failure where there is no such file.
 std::filesystem::path external_input(const std::filesystem::path& file);
 
-/// Runs a program to its end, isolated as far as the system allows (`isolation`). Failure where it
-/// is missing, with the package to install. It and all that it started die with the caller. The
-/// result says whether it reached a limit: by `end`, or an exit status above 128;
-/// `external_problem` puts it into words.
+/// Runs a program to its end, in a sandbox where there is one. Failure where it is missing, with
+/// the package to install. It and all that it started die with the caller; without a sandbox, what
+/// left its process group does not. The result says whether it reached a limit: by `end`, or an
+/// exit status above 128; `external_problem` puts it into words.
 ProcessResult run_external(const ExternalCall& call);
 
 /// Why a call that did not succeed ended, in words: "it did not end within 120 s", "it ended with
 /// status 1: WHAT IT SAID FIRST".
 std::string external_problem(const ExternalCall& call, const ProcessResult& result);
 
-/// How far external programs are isolated; a closed environment, a folder of their own and limits
-/// they always have.
-enum class Isolation {
-    full,         ///< bubblewrap: sees no files but the system's programs and what it was given
-    no_network,   ///< sees the user's files; has no network
-    limits_only,  ///< sees the user's files, and may have a network
-};
+/// Whether bubblewrap works here, found once, by trying: a program then sees no files but the
+/// system's programs and what it was given. A closed environment, a folder of its own and limits it
+/// always has.
+bool has_sandbox();
 
-/// Found once, by trying.
-Isolation isolation();
-
-/// "no_network" or "limits_only"; empty for full isolation.
+/// "limits_only" where it does not; else empty.
 std::string isolation_word();
 
-/// Where external programs are not fully shut in, a sentence that says so, why, and what it means;
+/// Where external programs are not shut in, a sentence that says so, why, and what it means;
 /// else empty.
 std::string missing_sandbox();
 

@@ -6,6 +6,7 @@
 #include <optional>
 #include <stop_token>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -27,18 +28,14 @@ struct ProcessOptions {
     std::stop_token stop = {};
     /// Where it writes more bytes than this on either output, the program is ended.
     std::optional<std::size_t> most_output = {};
-    /// Runs the program in a process group of its own, so that the terminal's Ctrl-C does not reach
-    /// it and what it leaves running is ended after it. Always so with a limit or a stop.
+    /// Runs the program in a session and process group of its own, so that the terminal's Ctrl-C
+    /// does not reach it and what it leaves running is ended after it. Always so with a limit, a
+    /// stop or a guard.
     bool own_group = false;
-    /// Runs the program in a session of its own, under a guard: a process between it and the caller
-    /// that ends the whole group when the caller dies, however it dies.
+    /// All in the program's group end with the caller, however it ends. That is for programs that
+    /// start others, as bubblewrap does: its children live on where it is killed while it begins. A
+    /// shell stands between: of one that a signal ends the status, 128 + signal, is known alone.
     bool guarded = false;
-    /// The most memory, as address space, in bytes: the program gets no more. It leaves no core.
-    std::optional<std::uint64_t> most_memory = {};
-    /// The longest file it may write, in bytes: a signal ends it that writes a longer one.
-    std::optional<std::uint64_t> longest_file = {};
-    /// Starts the program without a network. Failure where the system does not allow that.
-    bool no_network = false;
 };
 
 /// Why a program ended.
@@ -65,18 +62,23 @@ struct ProcessResult {
 /// May be called from several threads at once. A program that cannot be started is a Failure that
 /// names it, and so is a standard input that cannot be read.
 ///
-/// The program starts with no signal blocked. It gets SIGTERM when the *thread* that called this
-/// ends, however it ends; as this waits for the program, that is when the caller's process dies.
+/// The program starts with no signal blocked, and ends with the *thread* that called this, however
+/// that ends; as this waits for the program, that is when the caller's process dies. One that lies
+/// beside the running program has to `end_with_caller`; any other gets SIGTERM.
 ///
 /// To end a program is to send SIGKILL to its process group: to itself and to all it started that
 /// did not take a group of their own. Programs run by this function that do have one still die with
 /// the program that ran them. Output is read until the program has ended and nobody can write any
 /// more, but for no longer than a second after its end, whoever still holds it open.
-///
-/// A guarded program and all in its group die with the caller. That is for programs that start
-/// others, as bubblewrap does: its children live on where it is killed while it begins.
 ProcessResult run_process(const std::vector<std::string>& arguments,
                           const ProcessOptions& options = {});
+
+/// Ends this program with the one whose `run_process` runs it, if one does. Before any thread
+/// begins.
+void end_with_caller();
+
+/// The first file of that name which may be run, in the absolute folders of a path; else empty.
+std::filesystem::path find_program(std::string_view path, std::string_view name);
 
 /// Sets the time from now on after which every program that this one runs, or would run, is ended
 /// with a Failure. Before any thread begins.

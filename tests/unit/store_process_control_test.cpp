@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "core/text.h"
+#include "guardian.h"
 #include "store/atomic_file.h"
 #include "store/process.h"
 #include "store_test_support.h"
@@ -302,6 +303,80 @@ TEST_F(ProcessControl, DiesWithItsCaller) {
     EXPECT_TRUE(is_gone_soon(child));
 }
 
+TEST_F(ProcessControl, NothingIsLeftOfOneWhoseCallerIsKilledWhileItBegins) {
+    const std::string named = folder_.path().string();
+    for (int i = 0; i < 40; ++i) {
+        const pid_t caller = fork();
+        ASSERT_GE(caller, 0);
+        if (caller == 0) {
+            run_process({"sh", "-c", "exec sleep 600", named}, {.own_group = i % 2 == 0});
+            _exit(0);
+        }
+        std::this_thread::sleep_for(std::chrono::microseconds(200 * i));
+        kill(caller, SIGKILL);
+        waitpid(caller, nullptr, 0);
+    }
+    const auto is_left = [&] { return !test::processes_with(named).empty(); };
+    for (int tries = 0; tries < 6000 && is_left(); ++tries)
+        std::this_thread::sleep_for(10ms);
+    EXPECT_FALSE(is_left());
+}
+
+TEST_F(ProcessControl, OneOfOursEndsWithItsCaller) {
+    const pid_t caller = fork();
+    ASSERT_GE(caller, 0);
+    if (caller == 0) {
+        setenv("RUNCERT_CALLER", std::to_string(getpid()).c_str(), 1);
+        if (fork() > 0) pause();
+        end_with_caller();
+        write_file_atomically(folder_.path() / "child", std::to_string(getpid()) + "\n");
+        pause();
+    }
+    const std::string child = number_in("child");
+    EXPECT_TRUE(runs(child));
+    kill(caller, SIGKILL);
+    waitpid(caller, nullptr, 0);
+    EXPECT_TRUE(is_gone_soon(child));
+}
+
+// Dead and not yet taken note of, or gone altogether.
+TEST_F(ProcessControl, OneOfOursWhoseCallerHasEndedDoesNotBegin) {
+    for (const bool taken_note_of : {false, true}) {
+        const pid_t caller = fork();
+        if (caller == 0) _exit(0);
+        siginfo_t ended{};
+        waitid(P_PID, static_cast<id_t>(caller), &ended, WEXITED | (taken_note_of ? 0 : WNOWAIT));
+        const pid_t ours = fork();
+        if (ours == 0) {
+            setenv("RUNCERT_CALLER", std::to_string(caller).c_str(), 1);
+            end_with_caller();
+            _exit(0);
+        }
+        int status = 0;
+        waitpid(ours, &status, 0);
+        EXPECT_EQ(WEXITSTATUS(status), 128 + SIGKILL);
+        if (!taken_note_of) waitpid(caller, nullptr, 0);
+    }
+}
+
+// A script may stand between the two, and nothing that a program of ours runs is told.
+TEST_F(ProcessControl, OneOfOursWhoseCallerLivesGoesOn) {
+    const pid_t ours = fork();
+    if (ours == 0) {
+        setenv("RUNCERT_CALLER", std::to_string(getppid()).c_str(), 1);
+        if (fork() > 0) {
+            int status = 1;
+            wait(&status);
+            _exit(WEXITSTATUS(status));
+        }
+        end_with_caller();
+        _exit(std::getenv("RUNCERT_CALLER") == nullptr ? 0 : 2);
+    }
+    int status = 1;
+    waitpid(ours, &status, 0);
+    EXPECT_EQ(status, 0);
+}
+
 TEST_F(ProcessControl, AGuardedProgramDiesWithItsCallerAndSoDoesItsGroup) {
     const pid_t caller = fork();
     ASSERT_GE(caller, 0);
@@ -329,11 +404,13 @@ TEST_F(ProcessControl, AGuardedProgramEndsAsOneWithoutAGuard) {
     EXPECT_EQ(exited.output + exited.errors, "outerr");
     EXPECT_EQ(exited.exit_status, 7);
     EXPECT_EQ(exited.end, ProcessEnd::by_itself);
-    for (const int signal : {SIGSEGV, SIGKILL, SIGTERM}) {
-        const ProcessResult ended = guarded(fmt::format("kill -{} $$", signal));
-        EXPECT_EQ(ended.signal, signal);
-        EXPECT_EQ(ended.end, ProcessEnd::by_signal);
-    }
+    for (const int signal : {SIGSEGV, SIGKILL, SIGTERM})
+        EXPECT_EQ(guarded(fmt::format("kill -{} $$", signal)).exit_status, 128 + signal);
+    const std::string input = (folder_.path() / "input").string();
+    write_file_atomically(input, "given");
+    const std::string reads = "cat; ls /proc/$$/fd";
+    EXPECT_EQ(guarded(reads, {.standard_input = input}).output,
+              shell(reads, {.standard_input = input}).output);
     EXPECT_EQ(guarded("sleep 600", {.time_limit = 0ms}).end, ProcessEnd::over_time);
     EXPECT_EQ(guarded("sleep 600", {.time_limit = 300ms}).end, ProcessEnd::over_time);
     EXPECT_EQ(guarded("yes", {.most_output = 100'000}).end, ProcessEnd::over_output);

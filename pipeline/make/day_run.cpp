@@ -96,7 +96,12 @@ class AttemptRun {
             .begins = [&](const std::string& step) { progress_.step_begins(index_, step); },
             .ends = [&](const StepReport& step, const StepRecord&,
                         const std::filesystem::path&) { progress_.step_ends(index_, step); }};
-        if (!engine.makes) return inspect_run(order_, making);
+        if (!engine.makes) {
+            RunState state = inspect_run(order_, making);
+            // The one that would run.
+            std::erase_if(state.steps, [](const StepReport& step) { return step.ran; });
+            return state;
+        }
         return update_run(order_, making, watch, engine.stop);
     }
 

@@ -121,12 +121,6 @@ int run_selected(const BatchOrder& order, const Day& day, const std::vector<bool
     return summary.failed == 0 && !unfinished ? 0 : 2;
 }
 
-std::vector<std::string> with(std::vector<std::string> words,
-                              const std::vector<std::string>& more) {
-    words.insert(words.end(), more.begin(), more.end());
-    return words;
-}
-
 /// `PROGRAM batch DAY... --out OUT` for another machine: the running program and absolute paths.
 std::vector<std::string> batch_command(const BatchOrder& order,
                                        const std::vector<std::string>& only) {
@@ -135,7 +129,8 @@ std::vector<std::string> batch_command(const BatchOrder& order,
         words.push_back(fs::absolute(path).string());
     for (const std::string& pattern : only)
         words.insert(words.end(), {"--only", pattern});
-    return with(words, {"--out", fs::absolute(order.out).string()});
+    words.insert(words.end(), {"--out", fs::absolute(order.out).string()});
+    return words;
 }
 
 /// The ids of the selected attempts that are not done.
@@ -143,11 +138,20 @@ std::vector<std::string> ids_to_do(const BatchOrder& order, const Day& day,
                                    const std::vector<bool>& selected) {
     // A batch on this folder would keep the tasks out.
     const auto lock = lock_day(order.out, LockKind::exclusive, order.wait, {});
-    const std::vector<RunState> states = inspect_day(day, order.out, order.making, order.jobs);
     std::vector<std::string> ids;
+    Day made{.name = day.name, .attempts = {}, .notes = {}};
+    for (std::size_t i = 0; i < selected.size(); ++i) {
+        const DayAttempt& attempt = day.attempts[i];
+        std::error_code error;
+        if (!selected[i] || attempt.refused) continue;
+        if (fs::exists(order.out / attempt.id / "report.json", error))
+            made.attempts.push_back(attempt);
+        else
+            ids.push_back(attempt.id);
+    }
+    const std::vector<RunState> states = inspect_day(made, order.out, order.making, order.jobs);
     for (std::size_t i = 0; i < states.size(); ++i)
-        if (selected[i] && !day.attempts[i].refused && !states[i].complete)
-            ids.push_back(day.attempts[i].id);
+        if (!states[i].complete) ids.push_back(made.attempts[i].id);
     return ids;
 }
 
@@ -191,8 +195,8 @@ int run_on_cluster(const BatchOrder& order, const std::vector<std::string>& task
         // Shares of the whole day may leave some tasks more of a rest than others: few are named.
         constexpr std::size_t few = 1000;  // in a word, of which Linux takes 128 KiB
         job.tasks = tasks_for(to_do.size(), most);
-        job.command =
-            with(batch_command(order, to_do.size() <= few ? to_do : order.only), task_options);
+        job.command = batch_command(order, to_do.size() <= few ? to_do : order.only);
+        job.command.insert(job.command.end(), task_options.begin(), task_options.end());
         ProgressOptions plain = order.progress;
         if (plain.style == ProgressStyle::terminal) plain.style = ProgressStyle::plain;
         make_progress(plain)(

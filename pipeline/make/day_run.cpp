@@ -95,7 +95,12 @@ class AttemptRun {
         const MakerWatch watch{.begins = [&](const std::string& step) { tell(StepBegins{step}); },
                                .ends = [&](const StepReport& step, const StepRecord&,
                                            const std::filesystem::path&) { tell(step); }};
-        if (!engine.makes) return inspect_run(order_, making);
+        if (!engine.makes) {
+            RunState state = inspect_run(order_, making);
+            // The one that would run.
+            std::erase_if(state.steps, [](const StepReport& step) { return step.ran; });
+            return state;
+        }
         return update_run(order_, making, watch, engine.stop);
     }
 

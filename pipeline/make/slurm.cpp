@@ -137,7 +137,6 @@ std::size_t most_tasks(const std::string& configuration) {
 std::size_t most_tasks() {
     for (const char* program : {"sbatch", "squeue", "scontrol"})
         run_slurm({program, "--version"});
-    (void)asked_slurm({"scontrol", "ping"});
     return most_tasks(asked_slurm({"scontrol", "show", "config"}));
 }
 

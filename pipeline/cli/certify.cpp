@@ -108,9 +108,11 @@ Answer answer_of(const Verdict& verdict, const std::vector<StageDone>& done,
 }
 
 /// The answer for programs.
-void print_json(const Verdict& verdict, const fs::path& run_dir, bool is_signed, int status) {
+void print_json(const Verdict& verdict, const fs::path& run_dir, bool is_signed, int status,
+                const std::string& superseded) {
     nlohmann::ordered_json answer{
         {"run_folder", run_dir.string()}, {"signed", is_signed}, {"exit_status", status}};
+    if (!superseded.empty()) answer["superseded"] = superseded;
     answer["georeferenced"] = verdict.georeferenced;
     for (const ProfileVerdict& profile : verdict.profiles)
         answer["profiles"].push_back(members_json(profile));
@@ -254,7 +256,7 @@ int certify(const CertifyOptions& options) {
         verdict.profiles, [](const auto& one) { return one.outcome == Outcome::beaten; });
     const int status = all_beaten ? 0 : 1;
     if (options.json) {
-        print_json(verdict, run_dir, shown.is_signed(), status);
+        print_json(verdict, run_dir, shown.is_signed(), status, state.superseded);
         return status;
     }
     if (!state.superseded.empty())

@@ -276,7 +276,8 @@ class Maker {
         if (done.name == "claim" || done.name == "import") require_as_hashed();
         now_.said = done.said;
         now_.seconds = done.seconds;
-        current_.insert(now_.outputs.begin(), now_.outputs.end());
+        for (const auto& [name, hash] : now_.outputs)
+            current_[name] = hash;
         state_.steps.back().seconds = done.seconds;
         record_[done.name] = now_;
         watch_.ends(state_.steps.back(), now_, staging_->path());

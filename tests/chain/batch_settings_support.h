@@ -76,8 +76,7 @@ class AttemptCase {
         claim_ = read_claim(DayAttempt{.id = document.at("attempt").at("id"),
                                        .source = "attempt.yaml",
                                        .file = file(),
-                                       .folder = folder_},
-                            {});
+                                       .folder = folder_});
     }
 
     fs::path file() const { return folder_ / "attempt.yaml"; }

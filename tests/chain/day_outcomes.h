@@ -17,7 +17,8 @@ struct MadeDay {
 
 /// A day all of whose attempts are done, in run folders under `out`.
 inline MadeDay made_day(const std::filesystem::path& out, const std::vector<std::string>& ids) {
-    MadeDay made{.day = {.name = "lake-day"}};
+    MadeDay made;
+    made.day.name = "lake-day";
     for (const std::string& id : ids) {
         made.day.attempts.push_back({.id = id, .source = "lake.yaml:3"});
         AttemptOutcome outcome{.state = "done"};

@@ -102,13 +102,19 @@ class KeyRule {
         });
     }
 
-    /// What the rule is of: "kind: alpha", "lever_arm_m".
-    std::string subject() const {
+    /// What the rule is of: "kind: alpha", "lever_arm_m"; at the place of its one key, which the
+    /// failure names, "alpha".
+    std::string subject(bool placed) const {
         std::vector<std::string> words;
-        for (const std::string& key : rule_["when"].keys()) {
+        const std::vector<std::string> keys = rule_["when"].keys();
+        for (const std::string& key : keys) {
             const std::string wanted = texts_of(rule_["when"][key]).front();
-            if (wanted != "absent")
-                words.push_back(named(key) + (wanted == "given" ? "" : ": " + word(key)));
+            if (wanted == "given")
+                words.push_back(named(key));
+            else if (placed && keys.size() == 1 && !is_of_document(key) && at(key).exists())
+                words.push_back(word(key));
+            else if (wanted != "absent")
+                words.push_back(fmt::format("{}: {}", named(key), word(key)));
         }
         return words.empty() ? "this" : listed(words);
     }
@@ -139,13 +145,13 @@ class KeyRule {
         std::vector<std::string> places = rule_["when"].keys();
         places.push_back(key);
         if (wanted.front() == "given")
-            fail(places, fmt::format("{} needs {}", subject(), name),
+            fail(places, fmt::format("{} needs {}", subject(true), name),
                  fmt::format("Add {}: {}{}", name, field(key)->description,
                              or_remove("; or remove ")));
         if (wanted.front() == "absent")
-            fail({key}, fmt::format("{} goes without {}", subject(), name),
+            fail({key}, fmt::format("{} goes without {}", subject(false), name),
                  fmt::format("Remove {}{}", name, or_remove(" or ")));
-        fail(places, fmt::format("{} needs {}: {}", subject(), name, fmt::join(wanted, " or ")),
+        fail(places, fmt::format("{} needs {}: {}", subject(true), name, fmt::join(wanted, " or ")),
              fmt::format("Write {}: {}{}", name, fmt::join(wanted, " or "),
                          or_remove(", or remove ")));
     }

@@ -190,21 +190,9 @@ const DocumentSchema& attempt_schema() {
 }
 
 CraftDirection direction_of(CraftAxis axis) {
-    switch (axis) {
-        case CraftAxis::forward:
-            return {0, 1.0};
-        case CraftAxis::backward:
-            return {0, -1.0};
-        case CraftAxis::right:
-            return {1, 1.0};
-        case CraftAxis::left:
-            return {1, -1.0};
-        case CraftAxis::down:
-            return {2, 1.0};
-        case CraftAxis::up:
-            return {2, -1.0};
-    }
-    return {};
+    // As they are declared: forward, backward, right, left, down, up.
+    const auto place = static_cast<std::size_t>(axis);
+    return {place / 2, place % 2 == 0 ? 1.0 : -1.0};
 }
 
 std::string recording_names(const Receiver& receiver) {

@@ -43,14 +43,14 @@
 // describes what is in it. What is not required is an optional in C++, an empty text or an empty
 // list. In inputs a type may be `files` (one name or a list of them), `date`, `utc_time`, `id` or
 // `role` (texts that are read strictly) or `file` (the name of one), and what has a `default` is no
-// optional. For C++ alone: `member`
-// (where its name is not the field's), `initially` (the value of a new struct), `flat` (the members
-// of a map stand beside those of the one it is in), `omit` (the value that is left out), `scale`
-// (file over member), `computed` (an expression of the struct, written and never read), `apart` (no
-// member: C++ code reads it), `placed` (of a map: the struct says where it stands, itself or that
-// field of it), `base` (of an input: the struct of a map is a base of the one it is in), `optional`
-// (required in its map, which itself may be absent). A `unit` of "*" is that of the field which the
-// map is used for. A column that is never empty says `always`.
+// optional. For C++ alone: `member` (where its name is not the field's), `initially` (the value of
+// a new struct), `flat` (the members of a map stand beside those of the one it is in), `omit` (the
+// value that is left out), `scale` (file over member), `computed` (an expression of the struct,
+// written and never read), `apart` (no member: C++ code reads it), `placed` (of a map: the struct
+// says where it stands, itself or that field of it), `base` (of an input: the struct of a map is a
+// base of the one it is in), `optional` (required in its map, which itself may be absent). A `unit`
+// of "*" is that of the field which the map is used for. A column that is never empty says
+// `always`.
 
 namespace runcert {
 

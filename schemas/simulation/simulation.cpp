@@ -87,20 +87,15 @@ void take_accuracy(const YamlValue& recording, SimulationSpec& spec) {
                                .vertical_m = total(white.vertical_m, correlated.vertical_m)};
 }
 
-void require_on_the_craft(const YamlValue& arm, const LeverArm& components_m) {
+void require_on_the_craft(const YamlValue& craft) {
     constexpr double largest_m = 100.0;
-    for (const double component_m : components_m)
-        if (std::abs(component_m) > largest_m)
-            arm.fail(fmt::format("{} m is beyond any craft", component_m),
-                     fmt::format("Give metres forward, right and down, up to {}", largest_m));
-}
-
-void require_sound_craft(const YamlValue& document, const SimulationSpec& spec) {
-    const YamlValue craft = document["craft"];
-    if (!craft.exists()) return;
-    require_on_the_craft(craft["antenna_m"], spec.craft->antenna);
-    require_on_the_craft(craft["reference_point_m"], spec.craft->reference_point);
-    require_on_the_craft(craft["tape_error_m"], spec.craft->tape_error);
+    for (const char* const arm : {"antenna_m", "reference_point_m", "tape_error_m"})
+        for (const char* const axis : {"forward", "right", "down"})
+            if (const double m = craft[arm][axis].optional_real().value_or(0.0);
+                std::abs(m) > largest_m)
+                craft[arm].fail(
+                    fmt::format("{} m is beyond any craft", m),
+                    fmt::format("Give metres forward, right and down, up to {}", largest_m));
 }
 
 void require_sound_surface(const YamlValue& surface, const SimulationSpec& spec) {
@@ -166,7 +161,7 @@ SimulationDocument read_simulation(std::string_view text, const std::string& whe
           "raw.outages[].from_s"})
         for (const YamlValue& value : values_at(document, time))
             require_within_run(value, simulation.run);
-    require_sound_craft(document, simulation);
+    require_on_the_craft(document["craft"]);
     require_sound_surface(document["surface"], simulation);
     const YamlValue attempt = document["attempt"];
     simulation.attempt = read_attempt_part(attempt);

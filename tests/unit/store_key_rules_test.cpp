@@ -70,7 +70,7 @@ TEST(KeyRules, SayWhatIsNeededExcludedAndAllowed) {
         schema().validate({parse_yaml(least + "speed: 1\nunit: m\nof: way\n", "f"), "f"}));
     EXPECT_EQ(said(least + "speed: 1\n"), "f:1:1 a speed has a unit. Give both");
     EXPECT_EQ(said("parts: [{id: a, frame: {utm: 1}}]\n"),
-              "f:1:24 parts[0].frame: frame: utm needs arm. Add arm: its arm");
+              "f:1:24 parts[0].frame: utm needs arm. Add arm: its arm");
 }
 
 TEST(KeyRules, ComparesNumbersAndTimesAndCountsItems) {

@@ -123,19 +123,25 @@ Json wheel_of(const SimulatedWheel& wheel) {
 /// The attempt that certifies the recording as it stands. What an attempt's field table refuses of
 /// the spec's own part is a Failure at that part.
 std::string attempt_text(const SimulationDocument& simulation) {
-    Json attempt = {{"schema", attempt_schema().name() + "/" + attempt_schema().version()}};
-    const auto take = [&](std::initializer_list<const char*> keys) {
-        for (const char* key : keys)
-            if (simulation.attempt->contains(key)) attempt[key] = simulation.attempt.at(key);
+    Json said = simulation.attempt;
+    const auto make = [&](const char* key, Json value) {
+        if (said.contains(key))
+            throw Failure(simulation.attempt_place,
+                          fmt::format("the attempt: \"{}\" follows from the simulation", key),
+                          "Remove it");
+        said[key] = std::move(value);
     };
-    take({"id", "craft", "place", "date", "officials"});
-    attempt["receivers"] = Json::array({receiver_of(simulation)});
+    make("schema", attempt_schema().name() + "/" + attempt_schema().version());
+    make("receivers", Json::array({receiver_of(simulation)}));
     if (simulation.place)
-        attempt["origin"] = {{"latitude_deg", simulation.place->latitude.degrees()},
-                             {"longitude_deg", simulation.place->longitude.degrees()},
-                             {"height_m", simulation.place->height_m}};
-    if (simulation.wheel) attempt["wheel"] = wheel_of(*simulation.wheel);
-    take({"record", "profiles", "parameters"});
+        make("origin", {{"latitude_deg", simulation.place->latitude.degrees()},
+                        {"longitude_deg", simulation.place->longitude.degrees()},
+                        {"height_m", simulation.place->height_m}});
+    if (simulation.wheel) make("wheel", wheel_of(*simulation.wheel));
+    Json attempt;
+    for (const FieldRule& rule : attempt_schema().fields())
+        if (said.contains(rule.path)) attempt[rule.path] = said[rule.path];
+    attempt.update(said);  // what is no key of it, too, which is refused below
     std::string text =
         "# Written by runcert simulate: the recording is simulated.\n" + to_yaml_text(attempt);
     try {

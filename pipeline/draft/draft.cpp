@@ -9,6 +9,7 @@
 #include "core/text.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/recognition/proposed.h"
+#include "store/yaml_output.h"
 
 namespace runcert {
 
@@ -103,13 +104,8 @@ std::vector<std::string> Draft::profiles() const {
 }
 
 Json Draft::receiver(const std::string& id) const {
-    for (Json receiver : keys_["receivers"]) {
-        if (receiver["id"] != id) continue;
-        for (const char* other :
-             {"id", "recording", "base", "navigation", "phase", "imu", "surface"})
-            receiver.erase(other);
-        return receiver;
-    }
+    for (const Json& receiver : keys_["receivers"])
+        if (receiver["id"] == id) return reading_of({yaml_node_of(receiver), "receiver"});
     return Json::object();
 }
 

@@ -2,7 +2,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
 #include <iterator>
 #include <optional>
 
@@ -70,22 +69,6 @@ Json record_of(std::string_view text) {
     return {{"speed", speed}, {"unit", std::string(unit->name)}};
 }
 
-/// Three numbers with these names: "0 0 -5".
-std::optional<Json> numbers_of(std::string_view text, const std::array<const char*, 3>& names) {
-    std::vector<std::string> parts;
-    for (const std::string& part : parted(text))
-        for (const std::string& one : parted(part, ' '))
-            parts.push_back(one);
-    if (parts.size() != names.size()) return std::nullopt;
-    Json map = Json::object();
-    for (std::size_t i = 0; i < names.size(); ++i) {
-        const auto number = parse_double(parts[i]);
-        if (!number) return std::nullopt;
-        map[names[i]] = *number;
-    }
-    return map;
-}
-
 /// "measurer Ann Lee, judge"; or with semicolons between them, so that a name may hold a comma.
 Json officials_of(std::string_view text) {
     Json officials = Json::array();
@@ -119,17 +102,30 @@ Json profiles_of(std::string_view text) {
     return profiles;
 }
 
-/// "55 south", or as YAML has it.
-Json utm_of(std::string_view text) {
-    text = trim(text);
-    const std::size_t blank = std::min(text.find(' '), text.size());
-    const auto zone = parse_integer(text.substr(0, blank));
-    if (!zone) return json_from_yaml(YamlValue(parse_yaml(text, answer), answer));
-    return {{"utm", {{"zone", *zone}, {"hemisphere", std::string(trim(text.substr(blank)))}}}};
-}
+Json value_of(const FieldRule& rule, const std::string& text);
 
-bool is_list_of_words(const FieldRule& rule) {
-    return std::ranges::count(rule.types, "list") > 0;
+/// Of a map whose keys are all required as many words: "0 0 -5" of an arm, "55 south" of a grid.
+std::optional<Json> parts_of(const FieldRule& map, const std::string& text) {
+    std::vector<const FieldRule*> fields;
+    for (const FieldRule& rule : attempt_schema().fields())
+        if (rule.path.starts_with(map.path + ".") && rule.required &&
+            rule.path.find('.', map.path.size() + 1) == std::string::npos)
+            fields.push_back(&rule);
+    const auto name_of = [&](const FieldRule* rule) {
+        return rule->path.substr(map.path.size() + 1);
+    };
+    if (fields.size() == 1) {
+        const auto only = parts_of(*fields.front(), text);
+        return only ? std::optional(Json{{name_of(fields.front()), *only}}) : std::nullopt;
+    }
+    std::vector<std::string> parts;
+    for (const std::string& part : parted(text))
+        std::ranges::copy(parted(part, ' '), std::back_inserter(parts));
+    if (fields.empty() || parts.size() != fields.size()) return std::nullopt;
+    Json made = Json::object();
+    for (std::size_t i = 0; i < parts.size(); ++i)
+        made[name_of(fields[i])] = value_of(*fields[i], parts[i]);
+    return made;
 }
 
 /// A value as its field wants it: text as it is typed, else as YAML reads it.
@@ -137,15 +133,10 @@ Json value_of(const FieldRule& rule, const std::string& text) {
     const auto is_a = [&](const char* type) { return std::ranges::count(rule.types, type) > 0; };
     const std::string_view trimmed = trim(text);
     if (std::ranges::count(rule.values, spelled(text)) > 0) return spelled(text);
-    if (is_a("map")) {
-        if (rule.path == "origin")
-            if (auto map = numbers_of(text, {"latitude_deg", "longitude_deg", "height_m"}))
-                return *map;
-        if (attempt_schema().find(rule.path + ".forward"))
-            if (auto map = numbers_of(text, {"forward", "right", "down"})) return *map;
-    }
     const bool structured = trimmed.starts_with('{') || trimmed.starts_with('[');
-    if (!structured && is_list_of_words(rule) && !is_a("map")) {
+    if (is_a("map") && !structured)
+        if (auto made = parts_of(rule, text)) return *made;
+    if (!structured && is_a("list")) {
         const std::vector<std::string> parts = parted(text);
         if (is_a("text") && parts.size() == 1) return parts.front();
         return parts;
@@ -156,57 +147,6 @@ Json value_of(const FieldRule& rule, const std::string& text) {
     const YamlNode node = parse_yaml(trimmed, answer);
     if (is_a("real") && !structured) (void)YamlValue(node, answer).real();
     return json_from_yaml(YamlValue(node, answer));
-}
-
-/// Stand-ins for what a receiver's surface needs; whether it needs the attempt's origin, too.
-bool complete_surface(Json& receiver) {
-    if (!receiver.contains("antenna_height_m")) receiver["antenna_height_m"] = 1;
-    Json& surface = receiver["surface"];
-    const auto stand_in = [&](const char* key, Json value) {
-        if (!surface.contains(key)) surface[key] = std::move(value);
-    };
-    stand_in("source", "any");
-    if (surface.contains("undulation_m")) stand_in("heights", "geoid");
-    if (surface.contains("heights")) stand_in("frame", "geodetic");
-    const bool on_plane = surface.value("frame", Json()) == "local_plane";
-    if (surface.contains("frame") && !on_plane) stand_in("heights", "ellipsoid");
-    if (surface.value("heights", "") == "geoid") stand_in("undulation_m", 0);
-    return on_plane && receiver.value("frame", Json()) != "local_plane";
-}
-
-/// The attempt with stand-ins for what is not answered, so that what is answered is read as certify
-/// would.
-std::string completed_text(Json keys) {
-    if (!keys.contains("craft")) keys["craft"] = Json::object();
-    if (!keys["craft"].contains("name")) keys["craft"]["name"] = "any";
-    if (!keys["craft"].contains("class")) keys["craft"]["class"] = "other";
-    if (!keys.contains("profiles")) keys["profiles"] = Json::array({"nalsa"});
-    if (keys.contains("record") && !keys["record"].contains("source"))
-        keys["record"]["source"] = "any";
-    if (keys.contains("records"))
-        for (Json& one : keys["records"])
-            if (!one.contains("source")) one["source"] = "any";
-    for (const FieldRule& rule : attempt_schema().fields()) {
-        const std::size_t point = rule.path.find('.');
-        if (point == std::string::npos || !rule.required) continue;
-        const FieldRule* map = attempt_schema().find(rule.path.substr(0, point));
-        if (!map || map->series.empty() || !keys.contains(map->path)) continue;
-        Json& value = keys[map->path][rule.path.substr(point + 1)];
-        if (value.is_null()) value = rule.minimum ? Json(*rule.minimum) : Json("any");
-    }
-    bool needs_origin = false;
-    if (keys.contains("receivers"))
-        for (Json& receiver : keys["receivers"]) {
-            if (receiver.contains("imu") && !receiver["imu"].contains("antenna_m"))
-                receiver["imu"]["antenna_m"] = {{"forward", 0}, {"right", 0}, {"down", 0}};
-            if (receiver.contains("surface"))
-                needs_origin = complete_surface(receiver) || needs_origin;
-        }
-    if (needs_origin && !keys.contains("origin"))
-        keys["origin"] = {{"latitude_deg", 0}, {"longitude_deg", 0}, {"height_m", 0}};
-    Json attempt{{"schema", attempt_schema().name() + "/" + attempt_schema().version()}};
-    attempt.update(keys);
-    return to_yaml_text(attempt);
 }
 
 /// The key as the attempt has it: of a receiver's alone, the primary one's.
@@ -280,8 +220,7 @@ void Draft::set(const std::string& given, const std::string& text) {
                 throw Failure(
                     escape_for_message(given), "no receiver of the attempt has such a key",
                     "Write receivers.primary.KEY; `runcert certify --help` lists the keys");
-            const bool is_frame = path == "frame" || path == "surface.frame";
-            put_at(*receiver, path, is_frame ? utm_of(text) : value_of(*rule, text));
+            put_at(*receiver, path, value_of(*rule, text));
             if (path.starts_with("columns.")) (*receiver)["format"] = "csv";
         } else {
             const FieldRule* rule = attempt_schema().find(key);
@@ -290,7 +229,9 @@ void Draft::set(const std::string& given, const std::string& text) {
                               "`runcert certify --help` lists all");
             put_at(keys_, key, value_of(*rule, text));
         }
-        (void)read_attempt(completed_text(keys_), answer);
+        Json attempt{{"schema", attempt_schema().name() + "/" + attempt_schema().version()}};
+        attempt.update(keys_);
+        (void)read_attempt(to_yaml_text(attempt), answer, Completeness::begun);
     };
     try {
         take();

@@ -23,7 +23,7 @@ class DraftGaps {
     std::vector<Gap> found() {
         add_craft();
         add_rules();
-        add_people();
+        add_always(draft_.keys_, "", "");
         add_record();
         for (const ArrangedReceiver& receiver : draft_.arrangement_.receivers)
             add_receiver(receiver);
@@ -34,7 +34,12 @@ class DraftGaps {
     }
 
   private:
-    bool has(std::string_view key) const { return draft_.keys_.contains(key); }
+    /// Whether a map has a key, or that of a map in it ("accuracy.vertical_m").
+    static bool says(const Json& map, std::string key) {
+        replace_all(key, ".", "/");
+        return map.contains(Json::json_pointer("/" + key));
+    }
+    bool has(const std::string& key) const { return says(draft_.keys_, key); }
     std::string craft(const char* key) const {
         return has("craft") ? draft_.keys_["craft"].value(key, "") : "";
     }
@@ -94,9 +99,13 @@ class DraftGaps {
                 of_class);
     }
 
-    void add_people() {
-        for (const char* key : {"pilot", "place", "officials"})
-            if (!has(key)) ask(key);
+    /// What is asked whatever the recordings are, of the attempt or of a receiver.
+    void add_always(const Json& keys, const std::string& prefix, const std::string& before) {
+        for (const FieldRule& rule : attempt_schema().fields()) {
+            if (!rule.always_asked || !rule.path.starts_with(prefix)) continue;
+            const std::string key = rule.path.substr(prefix.size());
+            if (key.find("[]") == std::string::npos && !says(keys, key)) ask(before + key);
+        }
     }
 
     void add_record() {
@@ -106,9 +115,9 @@ class DraftGaps {
                 add_record_under(rule, rule == rules.front());
             return;
         }
-        const bool speed = has("record") && draft_.keys_["record"].contains("speed");
+        const bool speed = has("record.speed");
         if (!speed && !has("records")) ask("record.speed");
-        if (speed && !draft_.keys_["record"].contains("source")) ask("record.source", true);
+        if (speed && !has("record.source")) ask("record.source", true);
     }
 
     /// Under one of several rules.
@@ -151,21 +160,16 @@ class DraftGaps {
         const std::string of = draft_.arrangement_.receivers.size() > 1
                                    ? fmt::format(" (of the {} receiver)", arranged.id)
                                    : "";
-        const auto is_said = [&](const std::string& key) {
-            const std::size_t point = key.find('.');
-            if (point == std::string::npos) return receiver.contains(key);
-            const std::string map = key.substr(0, point);
-            return receiver.contains(map) && receiver[map].contains(key.substr(point + 1));
-        };
         if (draft_.files_[arranged.recordings.front()].is.kind == RecordingKind::signals)
             add_of_signals(receiver, before);
         for (const NeededKey& needed : needed_of(arranged))
-            if (!is_said(needed.key)) ask(before, needed, of, "");
+            if (!says(receiver, needed.key)) ask(before, needed, of, "");
         if (receiver.value("time_scale", "") == "local" && !receiver.contains("utc_offset_h"))
             ask(before + "utc_offset_h", true).question += of;
         add_fix_types(receiver, arranged);
-        if (arranged.imu) add_imu(receiver["imu"], before, arranged);
+        if (arranged.imu) add_imu(receiver, before, arranged);
         if (arranged.surface) add_surface(receiver, before, arranged);
+        if (arranged.id == "primary") add_always(receiver, "receivers[].", before);
         const std::string of_class = craft("class");
         const bool on_ground = of_class != "skydiver" && of_class != "board";
         const bool over_surface = arranged.surface.has_value();
@@ -185,7 +189,7 @@ class DraftGaps {
         const bool on_plane = surface.value("frame", Json()) == "local_plane";
         bool heights_asked = false;
         const auto ask_of = [&](const std::string& key, bool required, const std::string& why) {
-            if (surface.contains(key.substr(key.find('.') + 1))) return;
+            if (says(receiver, key)) return;
             Gap& gap = ask(before + key, required);
             gap.question = file.path + ": " + gap.question;
             if (!why.empty()) gap.why = why;
@@ -219,14 +223,13 @@ class DraftGaps {
         return shares(0.0) ? ImuTimes::counted_from_first : ImuTimes::unknown;
     }
 
-    void add_imu(const Json& imu, const std::string& before, const ArrangedReceiver& arranged) {
+    void add_imu(const Json& receiver, const std::string& before,
+                 const ArrangedReceiver& arranged) {
         const HandedIn& file = draft_.files_[*arranged.imu];
         const ImuTimes times = times_of(file.is, draft_.files_[arranged.recordings.front()].is);
         for (NeededKey needed : file.is.needed) {
             const bool of_time = needed.key == "imu.start_gps";
-            if (imu.contains(needed.key.substr(needed.key.find('.') + 1)) ||
-                (of_time && times == ImuTimes::told))
-                continue;
+            if (says(receiver, needed.key) || (of_time && times == ImuTimes::told)) continue;
             if (of_time && times == ImuTimes::unknown) {
                 needed.required = true;
                 needed.reason = "Its times have no date, and are not the recording's.";
@@ -245,9 +248,7 @@ class DraftGaps {
         const std::string of_class = craft("class");
         const Recognition& is = draft_.files_[arranged.recordings.front()].is;
         if (of_class.empty() || is.fixes.empty() || arranged.id != "primary") return;
-        if (has("parameters") && draft_.keys_["parameters"].contains("screen") &&
-            draft_.keys_["parameters"]["screen"].contains("allowed_fixes"))
-            return;
+        if (has("parameters.screen.allowed_fixes")) return;
         std::vector<std::string> allowed;
         const YamlValue usual =
             attempt_schema().find("parameters.screen.allowed_fixes")->default_value[of_class];

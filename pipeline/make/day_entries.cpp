@@ -14,37 +14,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A file that an attempt's keys name.
-struct NamedFile {
-    std::string key;  ///< "recording"
-    std::string name;
-};
-using Files = std::vector<NamedFile>;
-
-void add_files(const YamlNode& keys, const char* key, Files& files) {
-    const YamlNode value = keys[key];
-    if (value.is_scalar()) files.push_back({key, std::string(value.scalar())});
-    for (std::size_t i = 0; value.is_list() && i < value.size(); ++i)
-        if (value.item(i).is_scalar()) files.push_back({key, std::string(value.item(i).scalar())});
-}
-
-/// The files that an attempt's keys name, the receivers' first, in their order; a name that is not
-/// text is passed over.
-Files named_files(const YamlNode& keys) {
-    Files files;
-    const YamlNode receivers = keys["receivers"];
-    for (std::size_t i = 0; receivers.is_list() && i < receivers.size(); ++i) {
-        for (const char* key : {"recording", "base", "navigation", "phase"})
-            add_files(receivers.item(i), key, files);
-        for (const char* beside : {"imu", "surface"})
-            for (const char* key : {"file", "triangles"})
-                add_files(receivers.item(i)[beside], key, files);
-    }
-    for (const FieldRule& rule : attempt_schema().fields())
-        if (!rule.series.empty()) add_files(keys[rule.path], "file", files);
-    return files;
-}
-
 std::string quoted(const std::string& text) {
     return fmt::format("\"{}\"", plain_text(text));
 }
@@ -56,7 +25,7 @@ class EntryReader {
         : entry_(entry),
           folder_(folder_of(file)),
           file_name_(file.filename().string()),
-          files_(named_files(entry.keys)) {}
+          files_(named_files(YamlValue(entry.keys, file.string()))) {}
 
     ListedAttempt attempt(std::vector<std::string>& notes) const {
         DayAttempt made{.id = id_from_name(name()), .source = source(), .folder = folder_};
@@ -151,7 +120,7 @@ class EntryReader {
     const DayEntry& entry_;
     fs::path folder_;
     std::string file_name_;
-    Files files_;
+    std::vector<NamedFile> files_;
 };
 
 }  // namespace

@@ -35,7 +35,10 @@ FieldRule read_rule(const std::string& path, const YamlValue& entry) {
         begin = end + 1;
     }
     rule.unit = entry["unit"].text_or("");
-    rule.required = entry["required"].exists() && entry["required"].boolean();
+    const auto is_set = [&entry](std::string_view key) {
+        return entry[key].exists() && entry[key].boolean();
+    };
+    rule.required = is_set("required");
     for (const YamlValue& value : entry["values"].list())
         rule.values.push_back(value.text());
     rule.minimum = entry["min"].optional_real();
@@ -46,7 +49,10 @@ FieldRule read_rule(const std::string& path, const YamlValue& entry) {
     rule.why = entry["why"].text_or("");
     rule.example = entry["example"].text_or("...");
     rule.origin = read_origin(entry);
-    rule.before_rule = entry["before_rule"].exists() && entry["before_rule"].boolean();
+    rule.before_rule = is_set("before_rule");
+    rule.always_asked = is_set("always_asked");
+    rule.names_file = is_set("names_file");
+    rule.apart = is_set("apart");
     for (const YamlValue& quantity : entry["series"].list())
         rule.series.push_back(quantity.text());
     if (const YamlValue stages = entry["read_by"]; stages.is_list()) {
@@ -85,6 +91,7 @@ void check_scalar(const FieldRule& rule, const YamlValue& value) {
         check_values(rule, value);
     } else if (has_type(rule, "integer")) {
         check_range(rule, value, static_cast<double>(value.integer()));
+        check_values(rule, value);
     } else if (has_type(rule, "real")) {
         check_range(rule, value, value.real());
     } else if (has_type(rule, "boolean")) {
@@ -239,8 +246,8 @@ struct DocumentSchema::Step {
 /// The check of one document.
 class DocumentSchema::Validation {
   public:
-    Validation(const DocumentSchema& schema, const YamlValue& document)
-        : schema_(schema), document_(document) {}
+    Validation(const DocumentSchema& schema, const YamlValue& document, Completeness completeness)
+        : schema_(schema), document_(document), completeness_(completeness) {}
 
     void map(const YamlNode& node, const Step& step, const std::string& path) const {
         const std::vector<std::string_view> known = schema_.children(path);
@@ -257,6 +264,7 @@ class DocumentSchema::Validation {
                 refuse_key(node.key(i), path, known);
             }
         }
+        if (completeness_ == Completeness::begun) return;
         for (const std::string_view name : known) {
             const FieldRule& rule = *schema_.find(field_path(path, name));
             if (rule.required && node[name].is_null())
@@ -300,7 +308,7 @@ class DocumentSchema::Validation {
 
     void value(const YamlNode& node, const Step& step, const std::string& path) const {
         const FieldRule& rule = *schema_.find(path);
-        if (node.is_null() || has_type(rule, "any")) return;
+        if (node.is_null() || rule.apart || has_type(rule, "any")) return;
         if (node.is_map() && has_type(rule, "map")) return map(node, step, path);
         if (node.is_list() && has_type(rule, "list")) return list(node, step, path);
         if (node.is_map() || node.is_list())
@@ -313,24 +321,33 @@ class DocumentSchema::Validation {
 
     void list(const YamlNode& node, const Step& step, const std::string& path) const {
         const std::string item_path = path + "[]";
-        const bool has_rule = schema_.find(item_path) != nullptr;
+        const FieldRule* rule = schema_.find(item_path);
+        if (rule && rule->apart) return;
         for (std::size_t i = 0; i < node.size(); ++i) {
             const Step below{.above = &step, .key = {}, .index = i};
             if (node.item(i).is_null())
                 at(node.item(i), below).fail("is empty", "Give it a value, or remove it");
-            if (has_rule) value(node.item(i), below, item_path);
+            if (rule) value(node.item(i), below, item_path);
         }
     }
 
     const DocumentSchema& schema_;
     const YamlValue& document_;
+    Completeness completeness_;
 };
 
-void DocumentSchema::validate(const YamlValue& document) const {
+void DocumentSchema::validate(const YamlValue& document, Completeness completeness) const {
     if (!document.is_map())
         document.fail("the document is not a map of keys and values",
                       fmt::format("See the field table of {}/{}", name_, version_));
-    Validation(*this, document).map(document.node(), Step{}, "");
+    Validation(*this, document, completeness).map(document.node(), Step{}, "");
+    check_rules(document, completeness);
+}
+
+void DocumentSchema::validate_part(const YamlValue& map, const std::string& path) const {
+    if (!map.exists()) map.fail("is empty", "Give it a value, or remove it");
+    if (!map.is_map()) map.fail("is not a map", "Write {key: value}; see the field table");
+    Validation(*this, map, Completeness::whole).map(map.node(), Step{}, path);
 }
 
 std::string DocumentSchema::field_table() const {

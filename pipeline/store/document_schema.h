@@ -19,6 +19,9 @@ struct FieldOrigin {
     std::string clause;  ///< in which an official answers for it where no clause rests on it
 };
 
+/// Whether all of a document must be there. Of one that is still being written nothing is missed.
+enum class Completeness { whole, begun };
+
 /// One line of a schema's field table.
 struct FieldRule {
     std::string path;                  ///< "window.start_time_s", "profiles[].profile", "map.*"
@@ -34,6 +37,9 @@ struct FieldRule {
     /// How somebody who writes an input is asked for it, a sentence why, and what a line of it
     /// looks like that cannot stand as it is; empty where it is not asked for.
     std::string question{}, why{}, example{};
+    bool always_asked = false;            ///< whatever the recordings are
+    bool names_file = false;              ///< its texts are names of files
+    bool apart = false;                   ///< `validate` leaves it to `validate_part`
     std::optional<FieldOrigin> origin{};  ///< its own; else that of what it is in holds
     /// Of a map with the key `file`: what the series there gives (`SeriesQuantities`).
     std::vector<std::string> series{};
@@ -76,9 +82,13 @@ class DocumentSchema {
     /// maps keep their number of items.
     YamlNode part_read_by(const YamlValue& document, std::string_view stage) const;
 
-    /// Checks every key, type, range and required field of a document. The first deviation is a
-    /// Failure with file, line and column; an unknown key's names the nearest known one.
-    void validate(const YamlValue& document) const;
+    /// Checks every key, type, range and required field of a document, and its rules across keys.
+    /// The first deviation is a Failure with file, line and column; an unknown key's names the
+    /// nearest known one.
+    void validate(const YamlValue& document, Completeness completeness = Completeness::whole) const;
+    /// Checks the fields of one map of a document, which stands at that path and is `apart`: what
+    /// is wrong with it is nothing wrong with the rest.
+    void validate_part(const YamlValue& map, const std::string& path) const;
 
     /// The table as text, one field a line, for help.
     std::string field_table() const;
@@ -87,6 +97,7 @@ class DocumentSchema {
     struct Step;
     class Validation;
     void add(FieldRule rule);
+    void check_rules(const YamlValue& document, Completeness completeness) const;
     std::vector<std::string_view> children(std::string_view path) const;
     bool has_part(const YamlNode& node, const std::string& path, std::string_view stage) const;
     void add_part(const YamlNode& node, const std::string& path, std::string_view stage,
@@ -100,5 +111,9 @@ class DocumentSchema {
     std::map<std::string, std::vector<std::size_t>, std::less<>> children_;
     YamlValue source_{YamlNode(), ""};
 };
+
+/// Every value that a document has at a path of its field table ("receivers[].imu.file"), in the
+/// order of the document; what is missing or null is none.
+std::vector<YamlValue> values_at(const YamlValue& document, std::string_view path);
 
 }  // namespace runcert

@@ -128,7 +128,8 @@ std::vector<std::string> missing_inputs(
     for (const Receiver& receiver : attempt.receivers) {
         const std::string name = product_file(attempt, receiver, products::observations);
         const auto read = parameters_of.find(name);
-        if (read != parameters_of.end() && read->second != *attempt.stated.at(receiver.id))
+        if (read != parameters_of.end() &&
+            read->second != *reading_of(attempt.written(receiver.id)))
             missing.push_back(
                 fmt::format("{}: the recording was not read as attempt.yaml has it", name));
     }

@@ -49,13 +49,6 @@ struct Attempt : AttemptDocument {
     std::map<std::string, Record> records = {};  ///< by profile
     /// Local time less UTC; nothing where the attempt does not say it.
     std::optional<int> utc_offset_minutes = std::nullopt;
-    /// How each receiver's recording is to be read, by its id, as the attempt has it: all but the
-    /// names of receiver and files, and what is said of the antenna's place on the craft.
-    std::map<std::string, HeldJson> stated = {};
-    /// What it says of the IMU beside each receiver that has one, but for the file's name.
-    std::map<std::string, HeldJson> stated_imus = {};
-    /// The same of the surface that it runs on.
-    std::map<std::string, HeldJson> stated_surfaces = {};
     /// Every one resolved: the attempt's figure, or the default of the craft's class.
     Parameters parameters = {};
     /// The document with these in it, that the part of a stage is taken from.
@@ -68,6 +61,8 @@ struct Attempt : AttemptDocument {
 
     /// The record to beat under the profile of that name; null where there is none.
     const Record* record_for(const std::string& profile) const;
+    /// The receiver of that id as the document has it.
+    YamlValue written(const std::string& receiver) const;
 };
 
 /// What a stage reads of an attempt, by the declaration of its fields (`read_by`). All else is as
@@ -81,9 +76,26 @@ HeldJson settings_of(const Attempt& attempt, std::string_view stage);
 /// A stage's own parameters, as its header has them; none for a stage that has none.
 HeldJson parameters_of(const Attempt& attempt, const std::string& stage);
 
+/// How a receiver's recording is to be read, as the attempt has it: what is imported of it but its
+/// id, the names of files, and what stands beside the recording with a file of its own ("imu",
+/// "surface"); that, too, where it is named.
+HeldJson reading_of(const YamlValue& receiver, std::string_view beside = {});
+
+/// A file that an attempt's keys name.
+struct NamedFile {
+    std::string key;  ///< "recording"
+    std::string name;
+};
+/// All of them, in the order of the field table; a name that is not text is passed over.
+std::vector<NamedFile> named_files(const YamlValue& keys);
+
+/// What an attempt says or hands in, `Attempt::inputs`: `document` was checked by the schema.
+std::vector<AttemptInput> inputs_of(const YamlValue& document);
+
 /// Reads and checks an attempt. Failure with file, line, column and remedy on any deviation from
 /// the schema, two receivers with one id, an unusable id, or a bad date or offset from UTC.
-Attempt read_attempt(std::string_view text, const std::string& where);
+Attempt read_attempt(std::string_view text, const std::string& where,
+                     Completeness completeness = Completeness::whole);
 
 const DocumentSchema& attempt_schema();
 

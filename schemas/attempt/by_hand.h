@@ -11,7 +11,6 @@
 #include "schemas/common/codec.h"
 #include "schemas/common/on_craft.h"
 #include "schemas/common/role_signatures.h"
-#include "schemas/common/strict_texts.h"
 
 // Parts of an attempt that a declaration cannot say: their structs, and their readers.
 namespace runcert {
@@ -42,14 +41,6 @@ struct CoursePoint {
 };
 template <>
 CoursePoint read_members(const YamlValue& map);
-
-/// The part of the recordings that counts, as officials state it; `to` is after `from`.
-struct StatedPart {
-    GpsTime from, to;
-    std::string source;
-};
-template <>
-StatedPart read_members(const YamlValue& map);
 
 /// What a second method says of the window: one of the two is given.
 struct SecondaryMethod {

@@ -1,7 +1,7 @@
-#include "schemas/attempt/inputs.h"
-
 #include <algorithm>
 #include <utility>
+
+#include "schemas/attempt/attempt.h"
 
 namespace runcert {
 namespace {

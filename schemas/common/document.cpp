@@ -87,10 +87,10 @@ YamlValue parse_input(std::string_view text, const std::string& where,
     return document;
 }
 
-YamlValue read_input(std::string_view text, const std::string& where,
-                     const DocumentSchema& schema) {
+YamlValue read_input(std::string_view text, const std::string& where, const DocumentSchema& schema,
+                     Completeness completeness) {
     YamlValue document = parse_input(text, where, schema);
-    schema.validate(document);
+    schema.validate(document, completeness);
     return document;
 }
 

@@ -26,7 +26,8 @@ YamlValue parse_input(std::string_view text, const std::string& where,
                       const DocumentSchema& schema);
 
 /// Does what `parse_input` does, and checks every field against `schema`.
-YamlValue read_input(std::string_view text, const std::string& where, const DocumentSchema& schema);
+YamlValue read_input(std::string_view text, const std::string& where, const DocumentSchema& schema,
+                     Completeness completeness = Completeness::whole);
 
 /// Writes a YAML product: sets its `schema`, rounds to the field table and checks the whole
 /// document against the table. A deviation is a bug in the program.

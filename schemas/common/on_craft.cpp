@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <string_view>
-#include <utility>
 
 #include "core/figures.h"
 #include "core/text.h"
@@ -15,34 +14,7 @@ namespace {
 
 constexpr std::array<std::string_view, 3> arm_keys{"forward", "right", "down"};
 
-constexpr std::array<std::pair<const char*, double MountAngles::*>, 3> mount_keys{
-    {{"roll", &MountAngles::roll}, {"pitch", &MountAngles::pitch}, {"yaw", &MountAngles::yaw}}};
-
-constexpr std::array<std::pair<const char*, double ImuErrors::*>, 6> error_keys{
-    {{"gyro_bias_deg_h", &ImuErrors::gyro_bias_deg_h},
-     {"angle_random_walk_deg_sqrt_h", &ImuErrors::angle_random_walk_deg_sqrt_h},
-     {"gyro_bias_walk_deg_h_sqrt_h", &ImuErrors::gyro_bias_walk_deg_h_sqrt_h},
-     {"accelerometer_bias_mg", &ImuErrors::accelerometer_bias_mg},
-     {"velocity_random_walk_m_s_sqrt_h", &ImuErrors::velocity_random_walk_m_s_sqrt_h},
-     {"accelerometer_bias_walk_mg_sqrt_h", &ImuErrors::accelerometer_bias_walk_mg_sqrt_h}}};
-
 constexpr std::array<std::string_view, 3> grades{"tactical", "mems", "consumer"};
-
-template <class Struct, class Keys>
-nlohmann::ordered_json json_of_keys(const Struct& value, const Keys& keys) {
-    auto json = nlohmann::ordered_json::object();
-    for (const auto& [key, member] : keys)
-        json[key] = value.*member;
-    return json;
-}
-
-template <class Struct, class Keys>
-Struct struct_of_keys(const YamlValue& map, const Keys& keys) {
-    Struct value;
-    for (const auto& [key, member] : keys)
-        if (map[key].exists()) value.*member = map[key].real();
-    return value;
-}
 
 }  // namespace
 
@@ -77,24 +49,14 @@ LeverArm read_members(const YamlValue& map) {
 }
 
 template <>
-nlohmann::ordered_json members_json(const MountAngles& mount) {
-    return json_of_keys(mount, mount_keys);
-}
-
-template <>
-MountAngles read_members(const YamlValue& map) {
-    return struct_of_keys<MountAngles>(map, mount_keys);
-}
-
-template <>
 nlohmann::ordered_json members_json(const ImuGrade& grade) {
     if (!grade.errors) return grade.name;
-    return json_of_keys(*grade.errors, error_keys);
+    return members_json(*grade.errors);
 }
 
 template <>
 ImuGrade read_members(const YamlValue& grade) {
-    if (grade.is_map()) return {.name = {}, .errors = struct_of_keys<ImuErrors>(grade, error_keys)};
+    if (grade.is_map()) return {.name = {}, .errors = read_members<ImuErrors>(grade)};
     if (std::ranges::find(grades, grade.text()) == grades.end())
         grade.fail(fmt::format("\"{}\" is no grade of an IMU", escape_for_message(grade.text())),
                    "Write tactical, mems or consumer, or the figures of its data sheet: "

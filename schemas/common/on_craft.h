@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "schemas/common/codec.h"
+#include "schemas/common/declared.h"
 
 // Where things are on a craft, and how good an IMU on it is: in the attempt, and in the products
 // that were made with it.
@@ -22,32 +22,6 @@ LeverArm lever_arm_of(const Eigen::Vector3d& components_m);
 /// "forward 0.1, right 0, down -1.205 m"; with standard uncertainties as "0.10 ± 0.02" and
 /// "(k = 2)".
 std::string arm_text(const LeverArm& arm, const std::optional<LeverArm>& sigma = std::nullopt);
-
-/// Attitude of a box in the craft (deg): right side down, nose up, clockwise from the craft's
-/// forward axis seen from above.
-struct MountAngles {
-    double roll = 0.0;
-    double pitch = 0.0;
-    double yaw = 0.0;
-
-    bool operator==(const MountAngles&) const = default;
-};
-template <>
-nlohmann::ordered_json members_json(const MountAngles& mount);
-template <>
-MountAngles read_members(const YamlValue& map);
-
-/// Errors of an IMU, each the same on its three axes, in the units of data sheets.
-struct ImuErrors {
-    double gyro_bias_deg_h = 0.0;  ///< standard deviation
-    double angle_random_walk_deg_sqrt_h = 0.0;
-    double gyro_bias_walk_deg_h_sqrt_h = 0.0;
-    double accelerometer_bias_mg = 0.0;  ///< standard deviation
-    double velocity_random_walk_m_s_sqrt_h = 0.0;
-    double accelerometer_bias_walk_mg_sqrt_h = 0.0;
-
-    bool operator==(const ImuErrors&) const = default;
-};
 
 /// How good an IMU is: the word of a class, or figures.
 struct ImuGrade {

@@ -12,12 +12,22 @@
 
 namespace runcert {
 
+bool is_role(std::string_view text) {
+    return !text.empty() && text.size() <= 64 && std::all_of(text.begin(), text.end(), [](char c) {
+        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+               c == '-' || c == '_';
+    });
+}
+
 bool is_id(std::string_view text) {
-    return !text.empty() && text.size() <= 64 && text.front() != '-' &&
-           std::all_of(text.begin(), text.end(), [](char c) {
-               return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-                      c == '-' || c == '_';
-           });
+    return is_role(text) && text.front() != '-';
+}
+
+std::string read_role(const YamlValue& value) {
+    if (!is_role(value.text()))
+        value.fail("a role is letters, digits, - and _, at most 64 of them",
+                   "Write it so, \"measurer\": signatures name it");
+    return value.text();
 }
 
 std::string read_id(const YamlValue& value) {

@@ -19,6 +19,12 @@ bool is_id(std::string_view text);
 /// Reads an id.
 std::string read_id(const YamlValue& value);
 
+/// Whether a text can be a role, who signs: as an id, and it may begin with -.
+bool is_role(std::string_view text);
+
+/// Reads a role.
+std::string read_role(const YamlValue& value);
+
 /// A date written as "2023-07-11", unchanged. It must exist in the calendar.
 std::string read_date(const YamlValue& value);
 

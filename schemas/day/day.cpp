@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
 #include <nlohmann/json.hpp>
-#include <set>
 
 #include "core/text.h"
 #include "schemas/attempt/attempt.h"
@@ -19,23 +17,19 @@ YamlNode day_field_table_node();
 
 namespace {
 
-using Names = std::vector<std::string_view>;
-
-/// The keys of the field table of attempt that follow on a prefix, but those of its own.
-Names attempt_names(std::string_view prefix, const std::set<std::string_view>& but) {
-    Names names;
-    for (const FieldRule& rule : attempt_schema().fields()) {
-        const std::string_view path = rule.path;
-        if (!path.starts_with(prefix)) continue;
-        const std::string_view name = path.substr(prefix.size());
-        if (name.find_first_of(".[") == std::string_view::npos && !but.contains(name))
-            names.push_back(name);
-    }
-    return names;
+/// Whether an attempt has this key, or (of "receivers[].") a receiver, that a day may give them.
+bool has_key(std::string_view of, std::string_view key) {
+    const FieldRule* rule = attempt_schema().find(std::string(of).append(key));
+    return rule && key.find_first_of(".[") == std::string_view::npos &&
+           key != (of.empty() ? "schema" : "id");
 }
 
-bool holds(const Names& names, std::string_view name) {
-    return std::find(names.begin(), names.end(), name) != names.end();
+bool is_of_attempt(std::string_view key) {
+    return has_key("", key);
+}
+
+bool is_known(std::string_view key) {
+    return is_of_attempt(key) || has_key("receivers[].", key);
 }
 
 /// "file:line:column" of a key itself: its value may be on another line, or missing.
@@ -45,28 +39,17 @@ std::string place_of_key(const YamlValue& map, const std::string& key) {
     return map.place();
 }
 
-[[noreturn]] void refuse_key(const YamlValue& map, const std::string& key, const Names& known) {
+void require_known(const YamlValue& map, const std::string& key) {
+    if (is_known(key)) return;
+    std::vector<std::string_view> known;
+    for (const std::string_view of : {"", "receivers[]."})
+        for (const FieldRule& rule : attempt_schema().fields())
+            if (rule.path.starts_with(of) && has_key(of, rule.path.substr(of.size())))
+                known.push_back(std::string_view(rule.path).substr(of.size()));
     throw Failure(place_of_key(map, key),
                   fmt::format("unknown key \"{}\"", escape_for_message(key)),
                   fmt::format("Did you mean \"{}\"? Known keys here: {}", nearest(key, known),
                               fmt::join(known, ", ")));
-}
-
-/// The keys of an attempt.
-const Names& own_names() {
-    static const Names names = attempt_names("", {"schema"});
-    return names;
-}
-
-/// The keys of an attempt, and those of a receiver that may stand beside them.
-const Names& known_names() {
-    static const Names names = [] {
-        Names all = own_names();
-        const Names of_receiver = attempt_names("receivers[].", {"id"});
-        all.insert(all.end(), of_receiver.begin(), of_receiver.end());
-        return all;
-    }();
-    return names;
 }
 
 void require_known_defaults(const YamlValue& defaults) {
@@ -80,7 +63,7 @@ void require_known_defaults(const YamlValue& defaults) {
             throw Failure(place_of_key(defaults, key),
                           fmt::format("\"{}\" cannot be the same for all attempts", key),
                           "Remove it from the defaults");
-        if (!holds(known_names(), key)) refuse_key(defaults, key, known_names());
+        require_known(defaults, key);
     }
 }
 
@@ -92,7 +75,7 @@ void copy_keys(const YamlNode& entry, const YamlNode& defaults, bool of_attempt,
         for (std::size_t i = 0; i < from.size(); ++i) {
             const std::string_view key = from.key(i).scalar();
             if (key == "id" || is_replaced(key) || from.value(i).is_null() ||
-                holds(own_names(), key) != of_attempt)
+                is_of_attempt(key) != of_attempt)
                 continue;
             builder.copy(from.key(i));
             builder.copy(from.value(i));
@@ -106,8 +89,8 @@ void copy_keys(const YamlNode& entry, const YamlNode& defaults, bool of_attempt,
 YamlNode written_keys(const YamlValue& entry, const YamlValue& defaults) {
     const bool short_form = entry["recording"].exists();
     for (const std::string& key : entry.keys()) {
-        if (holds(own_names(), key)) continue;
-        if (!holds(known_names(), key)) refuse_key(entry, key, known_names());
+        if (is_of_attempt(key)) continue;
+        require_known(entry, key);
         if (!short_form)
             throw Failure(place_of_key(entry, key),
                           fmt::format("\"{}\" belongs to a receiver, and no recording is named "
@@ -119,7 +102,7 @@ YamlNode written_keys(const YamlValue& entry, const YamlValue& defaults) {
         entry.fail("the entry has a recording and receivers",
                    "Write the recording in one of the receivers");
     for (const std::string& key : defaults.keys())
-        if (!short_form && !holds(own_names(), key))
+        if (!short_form && !is_of_attempt(key))
             entry.fail(fmt::format("the defaults have \"{}\" of a receiver, and the entry lists "
                                    "its receivers",
                                    key),
@@ -141,30 +124,8 @@ YamlNode written_keys(const YamlValue& entry, const YamlValue& defaults) {
     return std::move(builder).take();
 }
 
-/// Checks one entry by its lines of the field table. (`DocumentSchema` takes the first fault for
-/// the whole document's; here the other entries go on.)
-void validate_entry(const YamlValue& value) {
-    const auto require_map = [](const YamlValue& part) {
-        if (!part.exists()) part.fail("is empty", "Give it a value, or remove it");
-        if (!part.is_map()) part.fail("is not a map", "Write {key: value}; see the field table");
-    };
-    require_map(value);
-    for (const char* key : {"attempt", "id"})
-        (void)value[key].text_or("");
-    const YamlValue recording = value["recording"];
-    if (!recording.is_list()) (void)recording.text_or("");
-    if (recording.is_list())
-        for (const YamlValue& file : recording.list())
-            (void)file.text();
-    for (const YamlValue& receiver : value["receivers"].list()) {
-        require_map(receiver);
-        if (receiver["id"].text_or("").empty())
-            receiver.fail("the key \"id\" is missing", "Add it: letters, digits, - and _");
-    }
-}
-
 void read_entry(const YamlValue& value, const YamlValue& defaults, DayEntry& entry) {
-    validate_entry(value);
+    day_schema().validate_part(value, "attempts[]");
     if (!value["attempt"].exists()) {
         entry.id = value["id"].text_or("");
         entry.short_form = value["recording"].exists();
@@ -183,26 +144,6 @@ void read_entry(const YamlValue& value, const YamlValue& defaults, DayEntry& ent
         value["attempt"].fail("is not the name of a file", "Name the attempt's file");
 }
 
-/// Checks all of a day's document but its entries.
-void validate_around_entries(const YamlValue& document) {
-    YamlBuilder rest;
-    const YamlNode& all = document.node();
-    rest.begin(YamlKind::map, {});
-    for (std::size_t i = 0; i < all.size(); ++i) {
-        const bool is_entries = all.key(i).scalar() == "attempts";
-        if (is_entries && all.value(i).is_null()) continue;
-        rest.copy(all.key(i));
-        if (!is_entries) {
-            rest.copy(all.value(i));
-        } else {
-            rest.begin(YamlKind::list, {});
-            rest.end();
-        }
-    }
-    rest.end();
-    day_schema().validate(YamlValue(std::move(rest).take(), document.where()));
-}
-
 }  // namespace
 
 const DocumentSchema& day_schema() {
@@ -212,8 +153,7 @@ const DocumentSchema& day_schema() {
 }
 
 DayFile read_day_file(std::string_view text, const std::string& where) {
-    const YamlValue document = parse_input(text, where, day_schema());
-    validate_around_entries(document);
+    const YamlValue document = read_input(text, where, day_schema());
     DayFile day{.id = document["id"].text_or(""), .entries = {}};
     if (document["id"].exists() && !is_id(day.id))
         document["id"].fail(fmt::format("\"{}\" cannot be an id", escape_for_message(day.id)),

@@ -15,12 +15,6 @@ nlohmann::ordered_json geodetic_json(const Geodetic& position) {
             {"height_m", position.height_m}};
 }
 
-Geodetic read_geodetic(const YamlValue& map) {
-    return {.latitude = Angle::from_degrees(map["latitude_deg"].real()),
-            .longitude = Angle::from_degrees(map["longitude_deg"].real()),
-            .height_m = map["height_m"].real()};
-}
-
 nlohmann::ordered_json place_json(const FramePlace& place) {
     nlohmann::ordered_json json{{"from_s", place.from.seconds()}};
     json.update(geodetic_json(place.position));
@@ -31,7 +25,7 @@ nlohmann::ordered_json place_json(const FramePlace& place) {
 
 FramePlace read_place(const YamlValue& map) {
     return {.from = {std::llround(map["from_s"].real() * 1e9)},
-            .position = read_geodetic(map),
+            .position = read_members<Geodetic>(map),
             .east_m = map["east_m"].real(),
             .north_m = map["north_m"].real()};
 }
@@ -98,7 +92,7 @@ nlohmann::ordered_json members_json(const FrameOrigin& origin) {
 
 template <>
 FrameOrigin read_members(const YamlValue& map) {
-    FrameOrigin origin{.position = read_geodetic(map), .source = map["source"].text()};
+    FrameOrigin origin{.position = read_members<Geodetic>(map), .source = map["source"].text()};
     if (map["places"].exists())
         for (const YamlValue& place : map["places"].list())
             origin.places.push_back(read_place(place));

@@ -15,7 +15,8 @@ std::string comment(const std::string& about, const char* indent = "") {
 /// The C++ type of one value, without what makes it optional; empty for a type that is none.
 std::string value_type(const Declaration& declaration, const std::string& type) {
     if (declaration.map(type) || declaration.words(type)) return type;
-    if (type == "text" || type == "date" || type == "id") return "std::string";
+    for (const char* const text : {"text", "date", "id", "role", "file"})
+        if (type == text) return "std::string";
     if (type == "integer") return "std::int64_t";
     if (type == "real" || type == "speed") return "double";
     if (type == "boolean") return "bool";
@@ -111,6 +112,11 @@ std::string condition_of(const YamlValue& entry, const std::string& member) {
     return {};
 }
 
+bool is_read_strictly(const std::string& type) {
+    return type == "date" || type == "utc_time" || type == "id" || type == "role" ||
+           type == "files";
+}
+
 /// Statements that put the members of `value` into `map`, or take them from it.
 std::string codec(const DeclaredStruct& made, bool writes) {
     std::string out;
@@ -129,8 +135,7 @@ std::string codec(const DeclaredStruct& made, bool writes) {
         if (is_set(entry, "flat"))
             line = writes ? fmt::format("map.update(members_json({}));", member)
                           : fmt::format("member::take_all(map, {});", member);
-        else if (!writes &&
-                 (type == "date" || type == "utc_time" || type == "id" || type == "files"))
+        else if (!writes && is_read_strictly(type))
             line = fmt::format("if (map[\"{0}\"].exists()) {1} = read_{2}(map[\"{0}\"]);", name,
                                member, type);
         else if (type == "speed")
@@ -425,7 +430,7 @@ std::string reader_source(const DeclaredStruct& map) {
 
 std::string header_text(const Declaration& declaration) {
     std::string out = "#pragma once\n\n// Written by the build from schemas/" +
-                      declaration.source()["schema"].text() +
+                      declaration.folder() +
                       "/v1.yaml.\n\n#include <cstdint>\n#include <optional>\n"
                       "#include <string>\n#include <string_view>\n#include <vector>\n\n"
                       "#include \"core/optional_number.h\"\n";
@@ -469,13 +474,13 @@ std::string header_text(const Declaration& declaration) {
 std::string source_text(const Declaration& declaration) {
     const std::string name = declaration.source()["schema"].text();
     std::string out = fmt::format(
-        "// Written by the build from schemas/{0}/v1.yaml.\n\n"
-        "#if __has_include(\"schemas/{0}/{0}.h\")\n#include \"schemas/{0}/{0}.h\"\n#else\n"
-        "#include \"schemas/{0}/declared.h\"\n#endif\n\n"
+        "// Written by the build from schemas/{1}/v1.yaml.\n\n"
+        "#if __has_include(\"schemas/{1}/{1}.h\")\n#include \"schemas/{1}/{1}.h\"\n#else\n"
+        "#include \"schemas/{1}/declared.h\"\n#endif\n\n"
         "#include \"schemas/common/document.h\"\n#include \"schemas/common/members.h\"\n\n"
         "namespace runcert {{\n\n"
         "YamlNode {0}_field_table_node();\n\n",
-        name);
+        name, declaration.folder());
     for (const DeclaredWords& words : declaration.own_words())
         out += enumeration_source(words);
     for (const DeclaredStruct& map : declaration.own_maps())

@@ -44,7 +44,9 @@ DeclaredStruct read_struct(const std::string& name, const YamlValue& entry) {
                         .comparable = is_set(entry, "comparable"),
                         .or_text = is_set(entry, "or_text"),
                         .placed = entry["placed"].text_or(""),
-                        .compact = is_set(entry, "compact")};
+                        .compact = is_set(entry, "compact"),
+                        .rules = entry["rules"].list(),
+                        .rules_of = entry["rules_of"].text_or("")};
     if (entry["functions"].exists())
         for (const YamlValue& function : entry["functions"].list())
             made.functions.push_back(function.text());
@@ -88,6 +90,7 @@ bool is_set(const YamlValue& entry, std::string_view key) {
 
 Declaration::Declaration(const std::string& path, const std::filesystem::path& products) {
     source_ = parsed(path);
+    folder_ = std::filesystem::path(path).parent_path().filename().string();
     const YamlValue uses = source_["uses"];
     const std::string extended =
         source_["row"].exists() ? source_["row"]["extends"].text_or("") : "";
@@ -130,6 +133,7 @@ void Declaration::read(const YamlValue& table, bool own) {
     each("maps", read_struct, maps_, own_maps_);
     each("groups", read_struct, groups_, own_groups_);
     if (!own) return;
+    top_.rules = table["rules"].list();
     const YamlValue fields = table["fields"];
     for (const std::string& key : fields.keys()) {
         top_.names.push_back(key);

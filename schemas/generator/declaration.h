@@ -27,20 +27,30 @@
 //   row, columns      the rows of a table: name and about of their struct, `extends` a product
 //                     whose columns come first, `compact` where empty cells take no room
 //   fields            the fields outside every map
+//   rules             of a map, or of the whole: rules across its keys, which every reader checks
+//
+// A rule says `when` which keys are what they `must` be: a map each of keys and `given`, `absent`,
+// or the words that it may be, by default, too. Or which keys stand `together`, or `one_of` or
+// `any_of` which is given, or which two numbers are `ascending`; which `list` has `least` and at
+// `most` so many items, or what is `unique` `in` which lists. A key with "/" in front is of the
+// document, any other of the map, "columns.time" of one in it. What is wrong is said by the rule's
+// keys, or by `because`; what to do by them, or by `remedy`. With `rules_of` a map has those of a
+// field of the document, its own keys in the place of that one's.
 //
 // A field has the keys of a field table (type, unit, required, min, max, values, decimals,
 // description). Its type may also be a map, an enumeration, `gps_time`, `satellite` ("G02"),
 // `signal` ("1C"), or `speed`, which stands in four units; a `list` is `of` a type, and `item`
 // describes what is in it. What is not required is an optional in C++, an empty text or an empty
-// list. In inputs a type may be `files` (one name or a list of them), `date`, `utc_time` or `id`
-// (texts that are read strictly), and what has a `default` is no optional. For C++ alone: `member`
-// (where its name is not the field's), `initially` (the value of a new struct), `flat` (the members
-// of a map stand beside those of the one it is in), `omit` (the value that is left out), `scale`
-// (file over member), `computed` (an expression of the struct, written and never read), `apart` (no
-// member: C++ code reads it), `placed` (of a map: the struct says where it stands, itself or that
-// field of it), `base` (of an input: the struct of a map is a base of the one it is in), `optional`
-// (required in its map, which itself may be absent). A `unit` of "*" is that of the field which the
-// map is used for. A column that is never empty says `always`.
+// list. In inputs a type may be `files` (one name or a list of them), `date`, `utc_time`, `id` or
+// `role` (texts that are read strictly) or `file` (the name of one), and what has a `default` is no
+// optional. For C++ alone: `member` (where its name is not the field's), `initially` (the value of
+// a new struct), `flat` (the members of a map stand beside those of the one it is in), `omit` (the
+// value that is left out), `scale` (file over member), `computed` (an expression of the struct,
+// written and never read), `apart` (no member: C++ code reads it), `placed` (of a map: the struct
+// says where it stands, itself or that field of it), `base` (of an input: the struct of a map is a
+// base of the one it is in), `optional` (required in its map, which itself may be absent). A `unit`
+// of "*" is that of the field which the map is used for. A column that is never empty says
+// `always`.
 
 namespace runcert {
 
@@ -72,6 +82,8 @@ struct DeclaredStruct {
     std::string placed;    ///< the field whose place it keeps, "true" for its own; empty for none
     bool compact = false;  ///< a group whose empty cells take no room of their own
     std::vector<std::string> functions = {};  ///< declarations of those that C++ code defines
+    std::vector<YamlValue> rules = {};        ///< across its keys
+    std::string rules_of;                     ///< the field whose rules it has, too
 };
 
 /// A column of a product's table, in the order of the file.
@@ -89,6 +101,8 @@ class Declaration {
     Declaration(const std::string& path, const std::filesystem::path& products);
 
     const YamlValue& source() const { return source_; }
+    /// The folder of the file, that headers are included from.
+    const std::string& folder() const { return folder_; }
     const DeclaredWords* words(const std::string& name) const;
     const DeclaredStruct* map(const std::string& name) const;
     const DeclaredStruct* group(const std::string& name) const;
@@ -110,6 +124,7 @@ class Declaration {
     void read_columns(const YamlValue& table, bool inherited);
 
     YamlValue source_{YamlNode(), ""};
+    std::string folder_;
     std::map<std::string, DeclaredWords> words_;
     std::map<std::string, DeclaredStruct> maps_;
     std::map<std::string, DeclaredStruct> groups_;

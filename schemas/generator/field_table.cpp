@@ -1,7 +1,10 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
+#include <set>
+#include <utility>
 
 #include "schemas/generator/declaration.h"
 
@@ -14,8 +17,8 @@ constexpr std::array<std::string_view, 15> not_of_tables{
     "about",  "bits", "computed", "item_values", "apart",     "base",  "optional"};
 
 /// Types that a field table knows as texts.
-constexpr std::array<std::string_view, 6> kinds_of_text{"gps_time", "satellite", "signal",
-                                                        "date",     "utc_time",  "id"};
+constexpr std::array<std::string_view, 7> kinds_of_text{"gps_time", "satellite", "signal", "date",
+                                                        "utc_time", "id",        "role"};
 
 std::string yaml_text(const YamlNode& node) {
     if (node.is_list()) {
@@ -39,8 +42,23 @@ class Table {
     explicit Table(const Declaration& declaration) : declaration_(declaration) {}
 
     void fields(const DeclaredStruct& made, const std::string& prefix, const std::string& unit) {
+        for (const YamlValue& rule : made.rules)
+            add_rule(prefix, rule, made);
+        const auto& top = declaration_.top();
+        for (std::size_t i = 0; i < top.names.size(); ++i)
+            if (top.names[i] == made.rules_of)
+                for (const YamlValue& rule : declaration_.map(top.fields[i]["type"].text())->rules)
+                    add_rule(prefix, rule, made, made.rules_of);
         for (std::size_t i = 0; i < made.fields.size(); ++i)
             field(prefix, made.names[i], made.fields[i], unit);
+    }
+
+    /// The rules, each with the path of the map that it is of. Failure for a key that there is none
+    /// of.
+    std::string rules() const {
+        for (const auto& [place, path] : named_)
+            if (!paths_.contains(path)) place.fail("there is no field " + path, "Correct the rule");
+        return text_of_rules_.empty() ? "" : "rules:\n" + text_of_rules_;
     }
 
     void columns() {
@@ -53,6 +71,35 @@ class Table {
     std::string take() && { return std::move(text_); }
 
   private:
+    /// A rule of the map whose keys have that prefix; `of`, where it is given, has the keys that
+    /// the map itself has not.
+    void add_rule(const std::string& prefix, const YamlValue& rule, const DeclaredStruct& map,
+                  const std::string& of = {}) {
+        const auto key_text = [&](const YamlValue& place, const std::string& key) {
+            const bool own = of.empty() || std::ranges::count(map.names, key) > 0;
+            std::string used = own || key.starts_with('/') ? key : "/" + of + "." + key;
+            named_.emplace_back(place, used.starts_with('/') ? used.substr(1) : prefix + used);
+            return used;
+        };
+        text_of_rules_ +=
+            fmt::format("  - {{at: {}", in_quotes(prefix.substr(0, prefix.rfind('.'))));
+        for (const std::string& part : rule.keys()) {
+            const YamlValue said = rule[part];
+            std::vector<std::string> texts;
+            if (said.is_list())
+                for (const YamlValue& key : said.list())
+                    texts.push_back(key_text(key, key.text()));
+            for (const std::string& key : said.keys())
+                texts.push_back(key_text(said, key) + ": " + yaml_text(said[key].node()));
+            text_of_rules_ +=
+                fmt::format(", {}: {}", part,
+                            said.is_list()  ? fmt::format("[{}]", fmt::join(texts, ", "))
+                            : said.is_map() ? fmt::format("{{{}}}", fmt::join(texts, ", "))
+                                            : yaml_text(said.node()));
+        }
+        text_of_rules_ += "}\n";
+    }
+
     /// The entry's facts, but its type's where `type` is given; "*" as a unit is the one of the
     /// field that the map is used for.
     std::string facts(const YamlValue& entry, const std::string& type,
@@ -70,6 +117,8 @@ class Table {
                 if (!unit_of_use.empty()) add(key, unit_of_use);
             } else if (!said.empty() && !type.empty()) {
                 add(key, type);
+            } else if (said == "file") {
+                add(key, "text, names_file: true");
             } else if (said == "elapsed") {
                 add(key, "real, unit: s, decimals: 9");
             } else if (std::ranges::find(kinds_of_text, said) != kinds_of_text.end()) {
@@ -88,6 +137,7 @@ class Table {
 
     void line(const std::string& path, const std::string& facts) {
         text_ += fmt::format("  \"{}\": {{{}}}\n", path, facts);
+        paths_.insert(path);
     }
 
     void field(const std::string& prefix, const std::string& name, const YamlValue& entry,
@@ -101,7 +151,7 @@ class Table {
             if (!flat) line(path, facts(entry, map->or_text ? "text|map" : "map"));
             fields(*map, flat ? prefix : path + ".", unit);
         } else if (type == "files" || (type == "list" && entry["of"].exists())) {
-            line(path, facts(entry, type == "files" ? "text|list" : "list"));
+            line(path, facts(entry, type == "files" ? "text|list, names_file: true" : "list"));
             const std::string of = entry["of"].text_or("text");
             const DeclaredStruct* item = declaration_.map(of);
             const YamlValue words = entry["item_values"];
@@ -124,7 +174,9 @@ class Table {
     }
 
     const Declaration& declaration_;
-    std::string text_;
+    std::string text_, text_of_rules_;
+    std::set<std::string> paths_;
+    std::vector<std::pair<YamlValue, std::string>> named_;  ///< keys of rules, and their paths
 };
 
 }  // namespace
@@ -132,12 +184,13 @@ class Table {
 std::string field_table_text(const Declaration& declaration) {
     Table table(declaration);
     table.fields(declaration.top(), "", "");
+    const std::string rules = table.rules();
     std::string fields = std::move(table).take();
     Table columns(declaration);
     columns.columns();
-    return fmt::format("schema: {}\nversion: \"{}\"\nfields:\n{}{}",
-                       declaration.source()["schema"].text(),
-                       declaration.source()["version"].text(), fields, std::move(columns).take());
+    return fmt::format(
+        "schema: {}\nversion: \"{}\"\nfields:\n{}{}{}", declaration.source()["schema"].text(),
+        declaration.source()["version"].text(), fields, std::move(columns).take(), rules);
 }
 
 }  // namespace runcert

@@ -44,51 +44,38 @@ namespace {
 /// One product: what its file's name begins with, its field table, and its reader.
 struct Product {
     std::string_view stem;
-    bool is_table;
     YamlNode (*field_table)();
     void (*read)(std::string_view, const std::string&);
+    bool is_table;
 };
 
 /// Each row is checked, and none kept.
-template <class Table>
-void read_rows(OpenTable<Table> table) {
-    for (typename OpenTable<Table>::Row row; table.rows.next(row);) {
+template <auto open>
+void read_table(std::string_view text, const std::string& where) {
+    auto table = open(text, where);
+    for (typename decltype(table)::Row row; table.rows.next(row);) {
     }
 }
 
+template <auto read>
+void read_whole(std::string_view text, const std::string& where) {
+    (void)read(text, where);
+}
+
 constexpr std::array<Product, 11> known_products{{
-    {products::observations.stem, true, observations_field_table_node,
-     [](std::string_view text, const std::string& where) {
-         read_rows(open_observations(text, where));
-     }},
-    {products::phase.stem, true, phase_field_table_node,
-     [](std::string_view text, const std::string& where) { read_rows(open_phase(text, where)); }},
-    {products::imu.stem, true, imu_field_table_node,
-     [](std::string_view text, const std::string& where) { read_rows(open_imu(text, where)); }},
-    {products::surface.stem, true, surface_field_table_node,
-     [](std::string_view text, const std::string& where) { read_rows(open_surface(text, where)); }},
-    {products::enu.stem, true, enu_field_table_node,
-     [](std::string_view text, const std::string& where) { read_rows(open_enu(text, where)); }},
-    {products::screened.stem, true, screened_field_table_node,
-     [](std::string_view text, const std::string& where) {
-         read_rows(open_screened(text, where));
-     }},
-    {products::screened_phase.stem, true, screened_phase_field_table_node,
-     [](std::string_view text, const std::string& where) {
-         read_rows(open_screened_phase(text, where));
-     }},
-    {products::trajectory.stem, true, trajectory_field_table_node,
-     [](std::string_view text, const std::string& where) {
-         read_rows(open_trajectory(text, where));
-     }},
-    {products::attitude.stem, true, attitude_field_table_node,
-     [](std::string_view text, const std::string& where) {
-         read_rows(open_attitude(text, where));
-     }},
-    {products::windows.stem, false, windows_field_table_node,
-     [](std::string_view text, const std::string& where) { (void)read_windows(text, where); }},
-    {products::verdict.stem, false, verdict_field_table_node,
-     [](std::string_view text, const std::string& where) { (void)read_verdict(text, where); }},
+    {products::observations.stem, observations_field_table_node, read_table<open_observations>,
+     true},
+    {products::phase.stem, phase_field_table_node, read_table<open_phase>, true},
+    {products::imu.stem, imu_field_table_node, read_table<open_imu>, true},
+    {products::surface.stem, surface_field_table_node, read_table<open_surface>, true},
+    {products::enu.stem, enu_field_table_node, read_table<open_enu>, true},
+    {products::screened.stem, screened_field_table_node, read_table<open_screened>, true},
+    {products::screened_phase.stem, screened_phase_field_table_node,
+     read_table<open_screened_phase>, true},
+    {products::trajectory.stem, trajectory_field_table_node, read_table<open_trajectory>, true},
+    {products::attitude.stem, attitude_field_table_node, read_table<open_attitude>, true},
+    {products::windows.stem, windows_field_table_node, read_whole<read_windows>, false},
+    {products::verdict.stem, verdict_field_table_node, read_whole<read_verdict>, false},
 }};
 
 const Product& product_of(std::string_view file, const std::string& where) {

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
-#include <cmath>
+#include <algorithm>
 
 #include "core/failure.h"
 #include "core/text.h"
@@ -11,51 +12,40 @@ namespace {
 
 /// A figure of a profile that an attempt may replace.
 struct Figure {
-    double* value = nullptr;  ///< null: the profile has no such figure
-    double per_unit = 1.0;    ///< of the value, for one of `unit`
-    std::string unit = {};
-    double least = 0.0;  ///< range of the value, both ends allowed
-    double most = 1e9;
+    std::string name;
+    double* value;
+    std::string unit;
+    double per_unit;         ///< of the value, for one of `unit`
+    const FieldRule* field;  ///< that bounds it, both ends allowed
 };
 
-Figure figure_of(Profile& profile, std::string_view name) {
-    if (name == "window.duration_s" && profile.window_kind == WindowKind::time)
-        return {.value = &profile.duration_s, .unit = "s", .least = 0.1, .most = 3600.0};
-    if (name == "window.distance_m" && profile.window_kind != WindowKind::time)
-        return {.value = &profile.distance_m, .unit = "m", .least = 1.0, .most = 1e6};
-    if (name == "margin.value")
-        return {.value = &profile.margin,
-                .per_unit = profile.margin_kind == MarginKind::absolute
-                                ? metres_per_second(profile.margin_unit)
-                                : 1.0,
-                .unit = profile.margin_unit};
-    if (name == "accuracy.limit" && profile.accuracy_limit_m_s)
-        return {.value = &*profile.accuracy_limit_m_s,
-                .per_unit = metres_per_second(profile.accuracy_unit),
-                .unit = profile.accuracy_unit};
-    if (name == "accuracy.coverage_factor" && profile.accuracy_limit_m_s)
-        return {.value = &profile.coverage_factor, .least = 1.0, .most = 4.0};
-    if (name == "decision.probability")
-        return {.value = &profile.decision_probability, .least = 0.51, .most = 0.9999};
-    if (name == "opposite_runs.within_s" && profile.opposite_runs_within_s)
-        return {.value = &*profile.opposite_runs_within_s, .unit = "s", .least = 1.0, .most = 1e6};
+std::vector<Figure> figures_of(Profile& profile) {
+    std::vector<Figure> figures;
+    const auto add = [&](const std::string& path, double& value, const std::string& unit = {},
+                         double per_unit = 1.0) {
+        const FieldRule* field = profile_schema().find(path);
+        figures.push_back({path, &value, field->unit + unit, per_unit, field});
+    };
+    if (profile.window_kind == WindowKind::time)
+        add("window.duration_s", profile.duration_s);
+    else
+        add("window.distance_m", profile.distance_m);
+    add("margin.value", profile.margin, profile.margin_unit,
+        profile.margin_kind == MarginKind::absolute ? metres_per_second(profile.margin_unit) : 1.0);
+    if (profile.accuracy_limit_m_s) {
+        add("accuracy.limit", *profile.accuracy_limit_m_s, profile.accuracy_unit,
+            metres_per_second(profile.accuracy_unit));
+        add("accuracy.coverage_factor", profile.coverage_factor);
+    }
+    add("decision.probability", profile.decision_probability);
+    if (profile.opposite_runs_within_s)
+        add("opposite_runs.within_s", *profile.opposite_runs_within_s);
     for (Clause& clause : profile.clauses)
-        if (clause.limit && name == "clauses." + clause.id + ".limit")
-            return {.value = &*clause.limit, .unit = clause.unit, .least = -1e9};
-    return {};
-}
-
-std::string known_figures(Profile profile) {
-    std::vector<std::string> names{
-        "window.duration_s",     "window.distance_m",        "margin.value",
-        "accuracy.limit",        "accuracy.coverage_factor", "decision.probability",
-        "opposite_runs.within_s"};
-    for (const Clause& clause : profile.clauses)
-        names.push_back("clauses." + clause.id + ".limit");
-    std::string known;
-    for (const std::string& name : names)
-        if (figure_of(profile, name).value != nullptr) known += (known.empty() ? "" : ", ") + name;
-    return known;
+        if (clause.limit) {
+            add("clauses[].limit", *clause.limit, clause.unit);
+            figures.back().name = "clauses." + clause.id + ".limit";
+        }
+    return figures;
 }
 
 }  // namespace
@@ -76,18 +66,27 @@ std::string rule_unit_name(const Profile& profile) {
 }
 
 void override_figure(Profile& profile, FigureOverride figure) {
-    const Figure found = figure_of(profile, figure.figure);
-    if (found.value == nullptr)
+    const std::vector<Figure> known = figures_of(profile);
+    const auto one = std::ranges::find(known, figure.figure, &Figure::name);
+    if (one == known.end()) {
+        std::vector<std::string> names;
+        for (const Figure& each : known)
+            names.push_back(each.name);
         throw Failure(figure.place,
                       fmt::format("the profile {} has no figure \"{}\"", profile.id,
                                   escape_for_message(figure.figure)),
-                      "Use one of: " + known_figures(profile));
+                      fmt::format("Use one of: {}", fmt::join(names, ", ")));
+    }
+    constexpr double largest = 1e9;
+    const Figure& found = *one;
     const double used = figure.used;
-    if (!(used >= found.least && used <= found.most))
+    const double least = found.field->minimum.value_or(-largest);
+    const double most = found.field->maximum.value_or(largest);
+    if (!(used >= least && used <= most))
         throw Failure(figure.place,
                       fmt::format("{} cannot be {:g}{}{}", figure.figure, used,
                                   found.unit.empty() ? "" : " ", found.unit),
-                      fmt::format("Give a figure from {:g} to {:g}", found.least, found.most));
+                      fmt::format("Give a figure from {:g} to {:g}", least, most));
     figure.rule = *found.value / found.per_unit;
     figure.unit = found.unit;
     *found.value = used * found.per_unit;

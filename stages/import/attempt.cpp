@@ -192,9 +192,7 @@ std::optional<std::int64_t> count_at_first(const Receiver& receiver, const Obser
 std::string write_imu_samples(StageRun run, const Receiver& receiver, const OpenFiles& open,
                               const imu::RecordingSpan& recording) {
     imu::StreamedImu samples = imu::import_imu(receiver, open.of("imu").front(), recording);
-    nlohmann::ordered_json parameters = *run.attempt().stated.at(receiver.id);
-    parameters["imu"] = *run.attempt().stated_imus.at(receiver.id);
-    run.use_parameters(parameters);
+    run.use_parameters(reading_of(run.attempt().written(receiver.id), "imu"));
     samples.head.header = run.header();
     write_table(run, run.file_of(products::imu, receiver), samples, begin_imu);
     return fmt::format("{} IMU samples from {} ({})", samples.rows,
@@ -214,9 +212,7 @@ std::string write_ground(StageRun run, const Receiver& receiver, const OpenFiles
     for (const InputFile& input : run.inputs())
         if (input.role == "recording") recordings.push_back(input.sha256);
     surface::require_of_another_run(receiver, ground.head, recordings, georeferenced);
-    nlohmann::ordered_json parameters = *run.attempt().stated.at(receiver.id);
-    parameters["surface"] = *run.attempt().stated_surfaces.at(receiver.id);
-    run.use_parameters(parameters);
+    run.use_parameters(reading_of(run.attempt().written(receiver.id), "surface"));
     ground.head.header = run.header();
     write_table(run, run.file_of(products::surface, receiver), ground, begin_surface);
     return fmt::format("{} triangles of the surface from {} ({})", ground.head.found.triangles,
@@ -228,7 +224,7 @@ void import_receiver(StageRun& run, const Receiver& receiver, const AttemptSourc
     StageRun one = run;
     const OpenFiles open = open_files(receiver, source);
     // Not the attempt as a whole: a claim that changes elsewhere leaves the positions as they are.
-    one.use_parameters(run.attempt().stated.at(receiver.id));
+    one.use_parameters(reading_of(run.attempt().written(receiver.id)));
     const std::vector<RecordingBytes> recordings = open.of("recording");
     StreamedRecording observations = read_receiver(one, receiver, open, recordings);
     std::vector<RecordingBytes> files = recordings;

@@ -74,7 +74,7 @@ INSTANTIATE_TEST_SUITE_P(
                 {"aerodynamics", "unknown.yaml:9:", "fastest_certifiable"}},
         Refused{"MarginWithoutUnit",
                 plane_attempt("without_unit.yaml"),
-                {"an absolute margin needs a unit", "without_unit.yaml:6:9", "Add unit: km/h"}},
+                {"kind: absolute needs unit", "without_unit.yaml:6:16", "Write unit: km/h"}},
         Refused{"ComputationWithoutALimit",
                 plane_attempt("no_limit.yaml"),
                 {"needs a figure to compare with", "no_limit.yaml:9:", "Add limit: and unit:"}},

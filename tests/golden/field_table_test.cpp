@@ -72,10 +72,11 @@ bool may_lack_unit(const std::string& path) {
 }
 
 const Names known_types{"text", "integer", "real", "boolean", "map", "list", "any"};
-const Names known_keys{"type",   "unit",        "required", "values",      "min",
-                       "max",    "decimals",    "default",  "description", "limits",
-                       "origin", "changes",     "decides",  "clause",      "read_by",
-                       "series", "before_rule", "question", "why",         "example"};
+const Names known_keys{"type",   "unit",        "required",    "values",      "min",
+                       "max",    "decimals",    "default",     "description", "limits",
+                       "origin", "changes",     "decides",     "clause",      "read_by",
+                       "series", "before_rule", "question",    "why",         "example",
+                       "apart",  "names_file",  "always_asked"};
 
 std::vector<std::string> schema_names() {
     std::vector<std::string> names;

@@ -54,8 +54,8 @@ TEST(ImuKeys, AreReadAndHaveDefaults) {
     EXPECT_FALSE(imu.rate_hz || imu.start_gps || imu.gyro_scale || imu.mount);
     EXPECT_EQ(imu.place, "attempt.yaml:8:13");
     // How the positions are read does not hang on it.
-    EXPECT_FALSE(attempt.stated.at("primary")->contains("imu"));
-    EXPECT_EQ(attempt.stated_imus.at("primary")->at("grade"), "mems");
+    EXPECT_FALSE(reading_of(attempt.written("primary"))->contains("imu"));
+    EXPECT_EQ(reading_of(attempt.written("primary"), "imu")->at("imu").at("grade"), "mems");
     EXPECT_FALSE(has_imu(read("").receivers[0]));
 }
 

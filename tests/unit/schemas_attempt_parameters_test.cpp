@@ -102,9 +102,10 @@ TEST(AttemptParameters, BadInputIsNamedWithItsPlace) {
          "\"jerk\" is not one of auto, constant_acceleration, singer"},
         {"[nalsa]", "[nalsa]\nparameters: {smooth: {robust_scale: 0.4}}", "f:7:37", "below 0.5"},
         {"[nalsa]", "[nalsa]\nparameters: {smooth: {error_time_min_s: 10}}", "f:7:41",
-         "from 10 s to 10 s. Give error_time_max_s above error_time_min_s"},
+         "error_time_max_s is 10 s, which is not above error_time_min_s, 10 s. Give "
+         "error_time_max_s above error_time_min_s"},
         {"[nalsa]", "[nalsa]\nparameters: {smooth: {error_time_min_s: 2, error_time_max_s: 1}}",
-         "f:7:62", "from 2 s to 1 s"},
+         "f:7:62", "which is not above error_time_min_s, 2 s"},
         {"[nalsa]", "[nalsa]\nparameters: {window: {seed: -1}}", "f:7:29", "-1 is below 0"},
         {"[nalsa]", "[nalsa]\nparameters: {window: {seed: 1.5}}", "f:7:29", "not a whole number"},
         {"[nalsa]", "[nalsa]\nparameters: {window: {selection_samples: 99}}", "f:7:42",

@@ -115,8 +115,8 @@ TEST(AttemptInstrument, AndDeductionAreNoPartOfHowARecordingIsRead) {
     text.replace(text.find("recording: r.csv"), 16,
                  "recording: r.csv, instrument: {make: m}, device_deduction: {speed: 1, unit: kn}");
     const Attempt more = read_attempt(text, "f");
-    EXPECT_EQ(*more.stated.at("primary"), *plain.stated.at("primary"));
-    EXPECT_EQ(*part_read_by(more, "import").stated.at("primary"), *more.stated.at("primary"));
+    EXPECT_EQ(*reading_of(more.written("primary")), *reading_of(plain.written("primary")));
+    EXPECT_EQ(*reading_of(part_read_by(more, "import").written("primary")), *reading_of(more.written("primary")));
     for (const char* stage : {"import", "enu", "screen", "smooth", "window"})
         EXPECT_EQ(settings_of(more, stage)->dump(), settings_of(plain, stage)->dump()) << stage;
 }

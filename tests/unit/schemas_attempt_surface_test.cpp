@@ -51,10 +51,10 @@ TEST(SurfaceKeys, AreReadAndHaveDefaults) {
     EXPECT_EQ(read_back.tilt_max_deg, 20.0);
     EXPECT_EQ(read(surface("")).receivers[0].surface->tilt_max_deg, 10.0);
     // How the positions are read does not hang on it, nor on the antenna's height.
-    EXPECT_FALSE(attempt.stated.at("primary")->contains("surface"));
-    EXPECT_FALSE(attempt.stated.at("primary")->contains("antenna_height_m"));
-    EXPECT_EQ(attempt.stated_surfaces.at("primary")->at("unit"), "us-ft");
-    EXPECT_FALSE(attempt.stated_surfaces.at("primary")->contains("file"));
+    EXPECT_FALSE(reading_of(attempt.written("primary"))->contains("surface"));
+    EXPECT_FALSE(reading_of(attempt.written("primary"))->contains("antenna_height_m"));
+    EXPECT_EQ(reading_of(attempt.written("primary"), "surface")->at("surface").at("unit"), "us-ft");
+    EXPECT_FALSE(reading_of(attempt.written("primary"), "surface")->at("surface").contains("file"));
     EXPECT_FALSE(has_surface(read("").receivers[0]));
 }
 

@@ -122,11 +122,11 @@ TEST(CourseInput, BadSecondMethodsAreNamedWithTheirPlace) {
         "a second method says a speed, or two times. Give speed, unit and "
         "expanded_uncertainty; or start_utc, finish_utc and time_expanded_uncertainty_s";
     const std::string together =
-        "start_utc, finish_utc, time_expanded_uncertainty_s belong together. Give all of them";
+        "start_utc, finish_utc and time_expanded_uncertainty_s belong together. Give all of them";
     expect_refused({
         {second(""), "f:7:12", either},
         {second(speed + times), "f:7:12", either},
-        {second(", speed: 100"), "f:7:12", "speed, unit, expanded_uncertainty belong together"},
+        {second(", speed: 100"), "f:7:12", "speed, unit and expanded_uncertainty belong together"},
         {second(", speed: 100, unit: kn"), "f:7:12", "Give all of them"},
         {second(", unit: kn, expanded_uncertainty: 0.5"), "f:7:12", "belong together"},
         {second(", start_utc: \"2022-03-18T08:51:04\""), "f:7:12", together},

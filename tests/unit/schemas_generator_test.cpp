@@ -195,6 +195,12 @@ TEST_F(Generator, AFaultOfADeclarationIsNamedWithItsPlace) {
                   "  x: {type: Kind, required: true, initially: no, description: \"d\"}\n"));
     });
     EXPECT_TRUE(word.contains("is no word of Kind")) << word.problem;
+    const auto rule = failure_of([&] {
+        field_table_text(
+            thing("struct: {name: Thing, about: \"a\"}\nrules:\n  - {together: [x, y]}\nfields:\n"
+                  "  x: {type: text, description: \"d\"}\n"));
+    });
+    EXPECT_TRUE(rule.contains("there is no field y")) << rule.problem;
 }
 
 }  // namespace

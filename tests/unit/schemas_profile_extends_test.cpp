@@ -92,7 +92,7 @@ TEST(ProfileExtends, BadInputIsNamedWithItsPlace) {
         {"[witnessed, ", "[witness, ", "p:3:14", "has no clause or question \"witness\""},
         {"extends: gps-speed-sailing-500m\n", "", "p:2:13", "Add extends: with the rule's id"},
         {"id: club-250m\n", "", "p:1:1", "\"id\" is missing"},
-        {"distance_m: 250", "duration_s: 250", "p:6:22", "a window of kind distance has no"},
+        {"distance_m: 250", "duration_s: 250", "p:6:22", "kind: distance goes without duration_s"},
         {"distance_m: 250", "distance: 250", "p:6:10", "Did you mean \"distance_m\""},
         {"id: last", "id: first", "p:11:10", "two clauses have the id \"first\""},
         {"id: last", "id: margin", "p:10:10", "two entries have the id \"margin\""},

@@ -240,7 +240,7 @@ TEST_F(SimulateProgram, WritesWhatATapeFoundAndTheImuBesideIt) {
 TEST_F(SimulateProgram, RefusesAnAttemptThatCouldNotBeCertified) {
     expect_refused(minimal + "attempt:\n  id: a/b\n", {"spec.yaml:4:3", "cannot be an id"});
     expect_refused(minimal + "attempt:\n  date: \"14 March\"\n", {"spec.yaml:4:3", "not a date"});
-    expect_refused(minimal + "attempt:\n  crew: me\n", {"spec.yaml:4:3", "Unknown key \"crew\""});
+    expect_refused(minimal + "attempt:\n  crew: me\n", {"spec.yaml:4:3", "unknown key \"crew\""});
 }
 
 }  // namespace

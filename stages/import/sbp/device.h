@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/text.h"
-#include "schemas/common/instrument.h"
+#include "schemas/common/declared.h"
 
 namespace runcert {
 

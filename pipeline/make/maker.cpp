@@ -10,10 +10,12 @@
 #include "make/claim.h"
 #include "make/early_pages.h"
 #include "run/chain.h"
+#include "run/run_lock.h"
 #include "run/staging_folder.h"
 #include "store/atomic_file.h"
 #include "store/folder.h"
 #include "store/sha256.h"
+#include "store/user_state.h"
 #include "trust/attestation.h"
 #include "trust/bundle.h"
 #include "trust/signature_files.h"
@@ -77,6 +79,8 @@ class Maker {
 
     RunState update() {
         try {
+            refuse_link();
+            clear_left();
             look();
             if (all_stay())
                 for (const StepReport& step : state_.steps)
@@ -110,6 +114,7 @@ class Maker {
     RunState inspect() {
         looking_ = true;
         try {
+            refuse_link();
             look();
         } catch (const Failure& failure) {
             state_.failure = failure_of(step_, failure);
@@ -128,7 +133,6 @@ class Maker {
   private:
     /// The steps up to the first that cannot stay.
     void look() {
-        refuse_link();
         record_ = recalled_record(published(report_file));
         claim_ = read_claim(order_.attempt);
         for (const Step& one : steps()) {
@@ -142,6 +146,16 @@ class Maker {
     void refuse_link() const {
         if (!order_.is_named && fs::is_symlink(fs::symlink_status(order_.run_dir)))
             (void)Folder(folder_of(order_.run_dir)).open(order_.run_dir.filename().string());
+    }
+
+    /// Removes what killed programs left, also where nothing is made.
+    void clear_left() const {
+        if (!fs::is_directory(order_.run_dir)) return;
+        if (order_.is_named) clear_abandoned(Folder(folder_of(fs::canonical(order_.run_dir))));
+        const Folder run(order_.run_dir);
+        if (std::ranges::none_of(run.names(), is_own_name)) return;
+        const RunLock lock(order_.run_dir);  // which removes files
+        clear_abandoned(run);
     }
 
     /// The hash of a file of the run folder; empty where there is none.

@@ -59,9 +59,9 @@ TEST_F(AttacksOnFolders, Files01ARunThatLooksReadyIsTheUsersFolder) {
     for (const char* name : {".runcert-ready", ".runcert-4711-0-0123456789abcdef"}) {
         fs::create_directory(run() / name);
         fs::copy(other_run(), run() / name / "run", fs::copy_options::recursive);
-        must_certify();
-        EXPECT_EQ(read_file(run() / "report.json"), report);
-        EXPECT_EQ(contents_of(run() / name / "run"), contents_of(other_run()));
+        must_certify(false);
+        EXPECT_TRUE(read_file(run() / "report.json") == report);
+        EXPECT_TRUE(contents_of(run() / name / "run") == contents_of(other_run()));
         EXPECT_TRUE(fs::exists(run() / "letter.txt"));
     }
 }

@@ -149,10 +149,11 @@ class HeldDay : public testing::Test {
     HeldDay() {
         day.programs.replace(
             "runcert-import",
-            fmt::format("if grep -q 'the attempt run-0002[.]' \"$2\"; then : > '{}'\n"
-                        "while [ ! -e '{}' ]; do sleep 0.02; done; fi\n"
-                        "exec {} \"$@\"",
-                        held.string(), go.string(), Programs::real("runcert-import")));
+            fmt::format(
+                "if grep -q 'the attempt run-0002[.]' \"$2\"; then : > '{}'\n"
+                "while [ ! -e '{}' ] && kill -0 $PPID 2> /dev/null; do sleep 0.02; done; fi\n"
+                "exec {} \"$@\"",
+                held.string(), go.string(), Programs::real("runcert-import")));
     }
     Words command(const Words& more = {}) const {
         return day.command(day.programs.runcert(), day.out, more);

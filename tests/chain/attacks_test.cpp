@@ -149,7 +149,7 @@ TEST_F(Attacks, Files07SignaturesAreNotMovedThroughALink) {
     const std::string signature = read_file(run() / "report.json.minisig");
     fs::create_directory(folder_.path() / "elsewhere");
     fs::create_symlink(folder_.path() / "elsewhere", run() / "superseded");
-    const ProcessResult again = certify(attempt(), run(), {"--no-render", "--key", key + ".key"});
+    const ProcessResult again = certify(attempt(), run(), {"--no-pdf", "--key", key + ".key"});
     EXPECT_EQ(again.exit_status, 2) << again.output;
     EXPECT_TRUE(holds(again.errors, "symbolic link")) << again.errors;
     EXPECT_TRUE(fs::is_empty(folder_.path() / "elsewhere"));

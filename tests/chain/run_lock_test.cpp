@@ -59,7 +59,7 @@ class RunFolderLock : public testing::Test {
 };
 
 TEST_F(RunFolderLock, IsRespectedByAllWhoWrite) {
-    expect_left_alone({"certify", attempt().string(), "--out", run().string(), "--no-render"});
+    expect_left_alone({"certify", attempt().string(), "--out", run().string(), "--no-pdf"});
     expect_left_alone({"sign", run().string(), "--key", key("key.key"), "--role", "judge"});
     expect_left_alone({"timestamp", run().string()});
     expect_left_alone(

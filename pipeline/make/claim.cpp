@@ -41,7 +41,7 @@ FileHashes recording_hashes(const Claim& claim) {
     FileHashes hashes;
     for (const Receiver& receiver : claim.attempt.receivers)
         for (const AttemptFile& file : files_of_receiver(receiver))
-            hashes[file.name] = sha256_hex(open_attempt_file(file, receiver, claim.source).bytes());
+            hashes[file.name] = digest_of(open_attempt_file(file, receiver, claim.source)).sha256;
     return hashes;
 }
 

@@ -124,7 +124,7 @@ TEST_F(SimulateProgram, SaysWhereASpecIsWrong) {
     expect_refused(
         "schema: simulation/1.0\n"
         "run: {top_speed_m_s: 60, half_speed_time_s: 15, duration_s: 45, rate_hz: 3}\n",
-        {"spec.yaml:2:74", "milliseconds"});
+        {"spec.yaml:2:74", "is not one of 1, 2, 4"});
     expect_refused(
         "schema: simulation/1.0\n"
         "run: {top_speed_m_s: 60, start_speed_m_s: 31, half_speed_time_s: 15, duration_s: 45, "
@@ -145,7 +145,7 @@ TEST_F(SimulateProgram, SaysWhichFaultWouldNotShow) {
     expect_refused(minimal + "faults:\n  steps:\n    - {time_s: 45.1, east_m: 1}\n",
                    {"spec.yaml:5:16", "after the end"});
     expect_refused(minimal + "faults:\n  gaps:\n    - {from_s: 5, to_s: 4}\n",
-                   {"spec.yaml:5:7", "ends before it begins"});
+                   {"spec.yaml:5:25", "ends before it begins"});
 }
 
 const std::string on_the_earth =
@@ -182,7 +182,7 @@ TEST_F(SimulateProgram, SaysWhatACraftAndItsImuCannotBe) {
                    {"spec.yaml:6:14", "\"best\" is no grade of an IMU", "tactical"});
     expect_refused(run + mast + "imu: {rate_hz: 100}\n", {"spec.yaml:6:6", "grade"});
     expect_refused(run + mast + "imu: {grade: mems, rate_hz: 125}\n",
-                   {"spec.yaml:6:29", "125 Hz", "Give 50, 80, 100, 200 or 400"});
+                   {"spec.yaml:6:29", "\"125\" is not one of", "50, 80, 100, 200, 400"});
     expect_refused(run + mast + "imu: {grade: mems, late_s: soon}\n",
                    {"spec.yaml:6:28", "not a number"});
     expect_refused(run + "surface: {width_m: 20}\n", {"spec.yaml:5:10", "Add craft"});

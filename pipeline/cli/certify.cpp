@@ -36,7 +36,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* run_times_name = "run.yaml";
 constexpr std::size_t stage_columns = 62;  ///< of what a stage says on its line
 constexpr double kept = -1.0;              ///< the seconds of a stage that was not run
 

@@ -27,7 +27,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* report_file = "report.json";
-constexpr const char* times_file = "run.yaml";
 
 /// The name in failures of the last thing that is done, which is no step: letting the run take its
 /// place.
@@ -35,13 +34,6 @@ constexpr const char* publishing = "publish";
 
 /// Thrown where a stop was requested; the run is as it was.
 struct Interrupted {};
-
-RunFailure failure_of(const std::string& step, const Failure& failure) {
-    return {.step = step,
-            .problem = failure.problem(),
-            .where = failure.where(),
-            .remedy = failure.remedy()};
-}
 
 /// A run folder with other files in it does not verify, whoever signs its report.
 void require_no_strangers(const fs::path& run_dir) {
@@ -90,7 +82,6 @@ class Maker {
             state_.complete = true;
             state_.said = record_.at("check").said;
             state_.files = current_;
-            remember_failure(order_.run_dir, claim_.files, {});
         } catch (const Interrupted&) {
             state_.interrupted = true;
         } catch (const StageFailed& failed) {
@@ -99,14 +90,8 @@ class Maker {
             else
                 fail(failure_of_program(failed.name, failed.result,
                                         options_.time_limit.value_or(std::chrono::seconds(0))));
-        } catch (const Failure& failure) {
-            fail(failure_of(step_, failure));
         } catch (const std::exception& fault) {
-            fail({.step = step_,
-                  .problem = fault.what(),
-                  .where = order_.run_dir.string(),
-                  .remedy = "Check that the folder can be read and written and that there is "
-                            "memory, and run again"});
+            fail(failure_of(fault));
         }
         return state_;
     }
@@ -116,8 +101,8 @@ class Maker {
         try {
             refuse_link();
             look();
-        } catch (const Failure& failure) {
-            state_.failure = failure_of(step_, failure);
+        } catch (const std::exception& fault) {
+            state_.failure = failure_of(fault);
             return state_;
         }
         if (all_stay()) {
@@ -133,12 +118,28 @@ class Maker {
   private:
     /// The steps up to the first that cannot stay.
     void look() {
-        record_ = recalled_record(published(report_file));
+        record_ = recalled_record(in_run_folder(report_file));
         claim_ = read_claim(order_.attempt);
         for (const Step& one : steps()) {
             step_ = one.name;
             if (is_step_of(one, options_.report) && !keeps(step_, expected(step_))) break;
         }
+    }
+
+    /// What ended the present step. A fault that nothing foresaw, such as want of memory, is one of
+    /// this run too, and stops no other.
+    RunFailure failure_of(const std::exception& fault) const {
+        if (const auto* failure = dynamic_cast<const Failure*>(&fault))
+            return {.step = step_,
+                    .problem = failure->problem(),
+                    .where = failure->where(),
+                    .remedy = failure->remedy()};
+        return {.step = step_,
+                .problem = fault.what(),
+                .where = order_.run_dir.string(),
+                .remedy =
+                    "Check that the folder can be read and written and that there is memory, "
+                    "and run again"};
     }
 
     bool all_stay() const { return !state_.steps.empty() && !state_.steps.back().ran; }
@@ -159,15 +160,15 @@ class Maker {
     }
 
     /// The hash of a file of the run folder; empty where there is none.
-    std::string published(const std::string& name) {
-        const auto known = published_.find(name);
-        if (known != published_.end()) return known->second;
+    std::string in_run_folder(const std::string& name) {
+        const auto known = in_run_folder_.find(name);
+        if (known != in_run_folder_.end()) return known->second;
         const fs::path file = order_.run_dir / name;
         const bool regular = fs::is_regular_file(fs::symlink_status(file));
-        return published_[name] = regular ? digest_file(file).sha256 : "";
+        return in_run_folder_[name] = regular ? digest_file(file).sha256 : "";
     }
 
-    bool has_same_report() { return published(report_file) == current_.at(report_file); }
+    bool has_same_report() { return in_run_folder(report_file) == current_.at(report_file); }
 
     /// What a step would now be made from.
     StepRecord expected(const std::string& step) {
@@ -201,9 +202,9 @@ class Maker {
         now.programs = programs_.get().at(step);
         if (std::string reason = what_changed(known->second, now); !reason.empty()) return reason;
         for (const auto& [name, hash] : known->second.outputs)
-            if (published(name) != hash)
-                return published(name).empty() ? name + " is missing"
-                                               : name + " is not as it was written";
+            if (in_run_folder(name) != hash)
+                return in_run_folder(name).empty() ? name + " is missing"
+                                                   : name + " is not as it was written";
         return {};
     }
 
@@ -218,7 +219,7 @@ class Maker {
         const StepRecord& record = record_.at(step);
         for (const auto& [name, hash] : record.outputs) {
             current_[name] = hash;
-            if (staging_) Folder(order_.run_dir).place(name, staging_->folder());
+            if (staging_) staging_->earlier().place(name, staging_->folder());
         }
         if (staging_) watch_.ends(state_.steps.back(), record, order_.run_dir);
         return true;
@@ -231,7 +232,7 @@ class Maker {
             staging_.emplace(order_.run_dir);
         else
             staging_.emplace(Folder(folder_of(order_.run_dir)), order_.run_dir.filename().string());
-        published_.clear();  // whoever had the lock may have made the run
+        in_run_folder_.clear();  // whoever had the lock may have made the run
         require_own_run();
         state_.steps.clear();
         current_.clear();
@@ -316,13 +317,17 @@ class Maker {
     void require_as_hashed() const {
         FileHashes brought_in = claim_.files;  // which import brings in once more
         brought_in.insert(now_.inputs.begin(), now_.inputs.end());
-        for (const auto& [name, hash] : brought_in)
-            if (digest_file(staging_->path() / name).sha256 != hash)
+        for (const auto& [name, hash] : brought_in) {
+            const auto written = now_.outputs.find(name);
+            if ((written != now_.outputs.end()
+                     ? written->second
+                     : digest_file(staging_->path() / name).sha256) != hash)
                 throw Failure(
                     claim_.source.file.string(),
                     "what the run keeps as " + name + " changed while it was read",
                     "Leave the files of the attempt as they are while the run is made, and run "
                     "this again");
+        }
     }
 
     /// The signatures in the run folder that are of this run's report, beside those made now.
@@ -376,7 +381,7 @@ class Maker {
 
     /// The run is whole beside the earlier one before it takes that one's place.
     void publish() {
-        if (!published(report_file).empty() && !has_same_report())
+        if (!in_run_folder(report_file).empty() && !has_same_report())
             state_.superseded = superseded_name(staging_->earlier());
         carry_over(staging_->earlier(), staging_->folder());
         std::vector<StageDone> stages;
@@ -386,13 +391,14 @@ class Maker {
                 stages.push_back({.name = step.name,
                                   .said = done->second.said,
                                   .seconds = done->second.seconds});
-        staging_->folder().write(times_file, run_times_text(started_, stages));
+        staging_->folder().write(run_times_name, run_times_text(started_, stages));
         // Where time may run out, all is there before anything takes the earlier run's place.
         if (early_ && time_is_limited()) put_whole_into(staging_->path());
         require_time();
         const std::string before = last_published(order_.run_dir).report_sha256;
         staging_->publish();
         remember_record(current_.at(report_file), record_, before);
+        remember_failure(order_.run_dir, claim_.files, {});
         watch_.published();
         if (early_) put_whole_into(order_.run_dir);
     }
@@ -419,10 +425,10 @@ class Maker {
     std::shared_future<std::map<std::string, StepPrograms>> programs_ = options_.programs;
     RunRecord record_;
     Claim claim_;
-    FileHashes recordings_;  ///< that import reads
-    FileHashes published_;   ///< files of the run folder
-    FileHashes current_;     ///< every file that the steps so far made or kept
-    StepRecord now_;         ///< of the step that is done
+    FileHashes recordings_;     ///< that import reads
+    FileHashes in_run_folder_;  ///< files of the run folder
+    FileHashes current_;        ///< every file that the steps so far made or kept
+    StepRecord now_;            ///< of the step that is done
     RunState state_;
     bool looking_ = false;  ///< the run is only inspected
     std::string step_ = steps().front().name;

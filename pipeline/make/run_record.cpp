@@ -25,13 +25,6 @@ std::string text_of(const Json& json) {
     return json.dump(1, ' ', false, Json::error_handler_t::replace);
 }
 
-/// What a failure is remembered by.
-std::string failure_of(const fs::path& run_dir) {
-    std::error_code error;
-    const fs::path real = fs::weakly_canonical(fs::absolute(run_dir, error), error);
-    return "failure " + real.string();
-}
-
 Json json_of(const StepRecord& step) {
     return {{"programs", step.programs}, {"settings", *step.settings}, {"inputs", step.inputs},
             {"outputs", step.outputs},   {"said", step.said},          {"seconds", step.seconds}};
@@ -75,7 +68,7 @@ void remember_record(const std::string& sha256, const RunRecord& record,
 
 std::optional<RunFailure> recalled_failure(const fs::path& run_dir, const FileHashes& claim) {
     try {
-        const Json json = Json::parse(recalled(failure_of(run_dir)));
+        const Json json = Json::parse(recalled(about_folder("failure", run_dir)));
         if (json.at("claim").get<FileHashes>() != claim) return std::nullopt;
         return RunFailure{.step = json.at("step"),
                           .problem = json.at("problem"),
@@ -88,12 +81,12 @@ std::optional<RunFailure> recalled_failure(const fs::path& run_dir, const FileHa
 
 void remember_failure(const fs::path& run_dir, const FileHashes& claim,
                       const std::optional<RunFailure>& failure) {
-    remember(failure_of(run_dir), failure ? text_of({{"claim", claim},
-                                                     {"step", failure->step},
-                                                     {"problem", failure->problem},
-                                                     {"where", failure->where},
-                                                     {"remedy", failure->remedy}})
-                                          : "");
+    remember(about_folder("failure", run_dir), failure ? text_of({{"claim", claim},
+                                                                  {"step", failure->step},
+                                                                  {"problem", failure->problem},
+                                                                  {"where", failure->where},
+                                                                  {"remedy", failure->remedy}})
+                                                       : "");
 }
 
 namespace {

@@ -65,6 +65,7 @@ GpsTime end_of_tomorrow(std::time_t now);
 void make_run(const RunInMaking& run, const std::function<bool(const Step&)>& stays,
               const std::function<void(const StageDone&)>& done);
 
+inline constexpr const char* run_times_name = "run.yaml";
 /// run.yaml: when a run was made, and how long its stages took; no other file depends on it.
 std::string run_times_text(std::time_t started, const std::vector<StageDone>& stages);
 

@@ -108,11 +108,9 @@ void place_all(const Folder& from, const Folder& to) {
             from.place(name, to);
 }
 
-/// By what it is remembered which files are a run's in a folder, also where its report is gone.
-std::string files_in(const fs::path& run_dir) {
-    std::error_code error;
-    const fs::path real = fs::weakly_canonical(fs::absolute(run_dir, error), error);
-    return "files in " + real.string();
+/// What a run folder holds of a run, also where its report is gone.
+std::string published_in(const fs::path& run_dir) {
+    return about_folder("published in", run_dir);
 }
 
 /// Gives a run folder the contents of another one, file by file. Whatever of the user's is to stay
@@ -147,7 +145,7 @@ NamedIn named_in(const fs::path& run_dir) {
 }  // namespace
 
 Published last_published(const fs::path& run_dir) {
-    std::vector<std::string> lines = lines_of(recalled(files_in(run_dir)));
+    std::vector<std::string> lines = lines_of(recalled(published_in(run_dir)));
     if (lines.empty()) return {};
     return {.report_sha256 = lines.front(), .names = {lines.begin() + 1, lines.end()}};
 }
@@ -217,7 +215,7 @@ void StagingFolder::publish() {
     for (const Folder* folder : {&*run_, &*staged_})
         for (const std::string& name : folder->names())
             published += "\n" + name;
-    remember(files_in(parent_.path() / name_), published);
+    remember(published_in(parent_.path() / name_), published);
     // A folder that the user made in it meanwhile has it replaced in place.
     if (!inside_ && may_be_exchanged(*run_, parent_)) {
         take_permissions(*run_, *staged_);

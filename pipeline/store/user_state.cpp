@@ -131,6 +131,12 @@ void remember(std::string_view of, std::string_view text) {
     }
 }
 
+std::string about_folder(std::string_view what, const fs::path& folder) {
+    std::error_code error;
+    const fs::path real = fs::weakly_canonical(fs::absolute(folder, error), error);
+    return fmt::format("{} {}", what, real.string());
+}
+
 std::string own_name() {
     const std::string stem = fmt::format("{}{}-{}", begin, getpid(), random_text());
     return fmt::format("{}-{}", stem, proof_of(stem));

@@ -25,6 +25,9 @@ std::string recalled(std::string_view of);
 /// cannot be kept, nothing happens.
 void remember(std::string_view of, std::string_view text);
 
+/// What is remembered about a folder, wherever it is reached from: "WHAT FOLDER", for both.
+std::string about_folder(std::string_view what, const std::filesystem::path& folder);
+
 /// ".runcert-PROCESS-RANDOM-PROOF": a name that nobody has given before, for a temporary file or
 /// folder that the user's next call removes where this one is killed. A name alone proves nothing,
 /// since anyone can give it: the end depends on a secret in the state folder. Where none can be

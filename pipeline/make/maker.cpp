@@ -370,7 +370,7 @@ class Maker {
                           "the report changed while the run was made; nothing was signed",
                           "Find out who writes into the folder, and run this again");
         require_signable(folder, report, "Make the run again with --force");
-        // Who names the folder may have his own files in it, as in a run that is made anew.
+        // A user who names the folder may keep files of his own in it.
         if (!order_.is_named && has_same_report()) require_no_strangers(order_.run_dir);
         const std::string role = signing_role(claim_.attempt);
         if (auto standing = own_signature(folder, report, public_key_of(*options_.key), role))

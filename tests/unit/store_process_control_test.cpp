@@ -1,3 +1,4 @@
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -408,6 +409,9 @@ TEST_F(ProcessControl, AGuardedProgramEndsAsOneWithoutAGuard) {
         EXPECT_EQ(guarded(fmt::format("kill -{} $$", signal)).exit_status, 128 + signal);
     const std::string input = (folder_.path() / "input").string();
     write_file_atomically(input, "given");
+    // The guard keeps the standard input as number 3, and what ran this test may have left a file
+    // open there.
+    fcntl(3, F_SETFD, FD_CLOEXEC);
     const std::string reads = "cat; ls /proc/$$/fd";
     EXPECT_EQ(guarded(reads, {.standard_input = input}).output,
               shell(reads, {.standard_input = input}).output);

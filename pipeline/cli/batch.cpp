@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -165,47 +164,41 @@ int batch(const BatchOptions& options) {
     return status;
 }
 
-void add_choices(CLI::App* command, BatchOptions& options) {
-    command->add_option("--out", options.out,
-                        "folder of the results and run folders (default: out/NAME of the day)");
-    command->add_option("--jobs", options.jobs, "runs side by side (default: one for each core)")
-        ->check(CLI::Range(1, 1024));
-    command
-        ->add_option("--time-limit", options.time_limit_s,
-                     "seconds after which a step is ended and its run has failed (default: 600)")
-        ->check(CLI::Range(0.1, 1e7));
-    command->add_flag("--force", options.force, "make every step again");
-    command->add_option("--from", options.from, "make this step and those after it again")
-        ->check(CLI::IsMember(nameable_steps()));
-    command
-        ->add_option("--only", options.only,
-                     "only attempts with such an id (* and ? as in file names); may be repeated")
-        ->allow_extra_args(false);
-    command->add_flag("--no-pdf", options.no_pdf, "report.json and HTML alone");
-    command->add_flag("--no-render", options.no_render, "stop after report.json: no HTML, no PDF");
-    command->add_option("--key", options.key,
-                        "secret key to sign the reports with, once their files are verified");
+void add_choices(CommandLine& line, BatchOptions& options) {
+    line.text("--out", options.out,
+              "folder of the results and run folders (default: out/NAME of the day)");
+    line.integer("--jobs", options.jobs, "runs side by side (default: one for each core)", 1, 1024);
+    line.number("--time-limit", options.time_limit_s,
+                "seconds after which a step is ended and its run has failed (default: 600)", 0.1,
+                1e7);
+    line.flag("--force", options.force, "make every step again");
+    line.word("--from", options.from, "make this step and those after it again", nameable_steps());
+    line.texts("--only", options.only,
+               "only attempts with such an id (* and ? as in file names); may be repeated");
+    line.flag("--no-pdf", options.no_pdf, "report.json and HTML alone");
+    line.flag("--no-render", options.no_render, "stop after report.json: no HTML, no PDF");
+    line.text("--key", options.key,
+              "secret key to sign the reports with, once their files are verified");
 }
 
-void add_display(CLI::App* command, BatchOptions& options) {
-    command->add_flag("--explain", options.explain, "explain why each step ran or was skipped");
-    command->add_flag("--quiet", options.quiet, "print failures and summary only");
-    command->add_flag("--json", options.json, "one event a line, for programs");
-    command->add_option("--compare", options.compare,
-                        "at the end, what differs from the results in this folder, and why");
-    command->add_flag("--status", options.status,
-                      "only say what is done and what is not (exit status 1 where not all is)");
-    command->add_flag("--wait", options.wait, "wait for another batch on the same folder to end");
+void add_display(CommandLine& line, BatchOptions& options) {
+    line.flag("--explain", options.explain, "explain why each step ran or was skipped");
+    line.flag("--quiet", options.quiet, "print failures and summary only");
+    line.flag("--json", options.json, "one event a line, for programs");
+    line.text("--compare", options.compare,
+              "at the end, what differs from the results in this folder, and why");
+    line.flag("--status", options.status,
+              "only say what is done and what is not (exit status 1 where not all is)");
+    line.flag("--wait", options.wait, "wait for another batch on the same folder to end");
 }
 
-void add_cluster(CLI::App* command, BatchOptions& options) {
-    command->add_option("--engine", options.engine, "local, or slurm for a cluster")
-        ->check(CLI::IsMember({"local", "slurm"}));
-    command->add_option("--slurm-args", options.slurm_args,
-                        "more arguments for sbatch, as in a shell: \"--partition=lake --mem=2G\"");
-    command->add_option("--share", options.share,
-                        "I/N: every N-th attempt from the I-th, counted from 0, and no results; a "
-                        "task of a cluster's array");
+void add_cluster(CommandLine& line, BatchOptions& options) {
+    line.word("--engine", options.engine, "local, or slurm for a cluster", {"local", "slurm"});
+    line.text("--slurm-args", options.slurm_args,
+              "more arguments for sbatch, as in a shell: \"--partition=lake --mem=2G\"");
+    line.text("--share", options.share,
+              "I/N: every N-th attempt from the I-th, counted from 0, and no results; a task of a "
+              "cluster's array");
 }
 
 std::string footer() {
@@ -242,18 +235,16 @@ std::string footer() {
 }  // namespace
 
 void add_batch(CLI::App& app, Command& chosen) {
-    auto options = std::make_shared<BatchOptions>();
-    CLI::App* command = app.add_subcommand(
-        "batch", "Certify a day's attempts: those that changed are made again, results ranked");
-    command
-        ->add_option("DAY", options->day,
-                     "a folder of attempts, a day file (schema day/1.0), or attempt files")
-        ->required();
-    add_choices(command, *options);
-    add_display(command, *options);
-    add_cluster(command, *options);
-    command->footer(footer());
-    command->callback([&chosen, options] { chosen = [options] { return batch(*options); }; });
+    auto [line, options] = add_command<BatchOptions>(
+        app, chosen, "batch",
+        "Certify a day's attempts: those that changed are made again, results ranked", batch);
+    line.texts("DAY", options.day,
+               "a folder of attempts, a day file (schema day/1.0), or attempt files",
+               CommandLine::required);
+    add_choices(line, options);
+    add_display(line, options);
+    add_cluster(line, options);
+    line.footer(footer());
 }
 
 }  // namespace runcert

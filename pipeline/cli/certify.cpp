@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
@@ -267,21 +266,20 @@ int certify(const CertifyOptions& options) {
 }  // namespace
 
 void add_certify(CLI::App& app, Command& chosen) {
-    auto options = std::make_shared<CertifyOptions>();
-    CLI::App* command = app.add_subcommand(
-        "certify", "Measure an attempt: recordings in, a signed measurement report out");
-    command->add_option("ATTEMPT", options->attempt, "the attempt's file (YAML)")->required();
-    command->add_option("--out", options->out, "run folder to write (default: out/ID)");
-    command->add_option("--key", options->key, "secret key to sign the report with");
-    command->add_flag("--no-pdf", options->no_pdf, "report.json and HTML alone");
-    command->add_flag("--brief", options->brief,
-                      "certificate.pdf, the first page, and no report.pdf");
-    command->add_flag("--no-render", options->no_render, "stop after report.json: no HTML, no PDF");
-    CLI::Option* quiet = command->add_flag("--quiet", options->quiet,
-                                           "print the verdict, and nothing of the stages");
-    command->add_flag("--json", options->json, "print one JSON document instead")->excludes(quiet);
-    add_time_limit(*command);
-    command->footer(fmt::format(
+    auto [line, options] = add_command<CertifyOptions>(
+        app, chosen, "certify",
+        "Measure an attempt: recordings in, a signed measurement report out", certify);
+    line.text("ATTEMPT", options.attempt, "the attempt's file (YAML)", CommandLine::required);
+    line.text("--out", options.out, "run folder to write (default: out/ID)");
+    line.text("--key", options.key, "secret key to sign the report with");
+    line.flag("--no-pdf", options.no_pdf, "report.json and HTML alone");
+    line.flag("--brief", options.brief, "certificate.pdf, the first page, and no report.pdf");
+    line.flag("--no-render", options.no_render, "stop after report.json: no HTML, no PDF");
+    line.flag("--quiet", options.quiet, "print the verdict, and nothing of the stages");
+    line.flag("--json", options.json, "print one JSON document instead");
+    line.exclude("--json", {"--quiet"});
+    line.time_limit();
+    line.footer(fmt::format(
         "Exit status: 0 the outcome of every profile is beaten, 1 one is not, 2 no certificate\n"
         "could be made. It goes by the outcome alone: requirements that remain to be attested and\n"
         "missing signatures do not change it.\n"
@@ -299,7 +297,6 @@ void add_certify(CLI::App& app, Command& chosen) {
         "  profiles: [nalsa]\n\n"
         "Every key:\n{}",
         attempt_schema().field_table()));
-    command->callback([&chosen, options] { chosen = [options] { return certify(*options); }; });
 }
 
 }  // namespace runcert

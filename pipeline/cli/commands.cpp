@@ -54,12 +54,4 @@ void write_new_file(const fs::path& name, const std::string& text, FileAccess ac
     file.commit_as_new();
 }
 
-void add_time_limit(CLI::App& command) {
-    command
-        .add_option_function<std::int64_t>(
-            "--time-limit", [](std::int64_t limit_s) { limit_time(std::chrono::seconds(limit_s)); },
-            "seconds after which it ends with 2 and without a result; what was there stays")
-        ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000}));
-}
-
 }  // namespace runcert

@@ -56,7 +56,4 @@ int render_pages(const std::filesystem::path& run_dir, const std::string& roster
 void write_new_file(const std::filesystem::path& name, const std::string& text,
                     FileAccess access = FileAccess::by_umask);
 
-/// The option that limits the time of a command that makes or checks a run.
-void add_time_limit(CLI::App& command);
-
 }  // namespace runcert

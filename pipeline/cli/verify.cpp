@@ -335,7 +335,7 @@ void add_options(CommandLine& line, VerifyOptions& options) {
     line.flag("--keep-going", options.keep_going,
               "render pages and recompute even where another layer found a fault");
     line.flag("--json", options.json, "print one JSON document instead");
-    add_time_limit(line.app());
+    line.time_limit();
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cerrno>
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <cstring>
@@ -65,6 +66,11 @@ void CommandLine::text(const std::string& name, std::string& value, const std::s
     app_.add_option(name, value, about)->required(need == Need::required);
 }
 
+void CommandLine::text(const std::string& name, std::optional<std::string>& value,
+                       const std::string& about) {
+    app_.add_option(name, value, about);
+}
+
 void CommandLine::word(const std::string& name, std::string& value, const std::string& about,
                        const std::vector<std::string>& words, Need need) {
     app_.add_option(name, value, about)
@@ -82,6 +88,18 @@ void CommandLine::texts(const std::string& name, std::vector<std::string>& value
 void CommandLine::integer(const std::string& name, std::int64_t& value, const std::string& about,
                           std::int64_t least, std::int64_t most) {
     app_.add_option(name, value, about)->check(CLI::Range(least, most).description(""));
+}
+
+void CommandLine::number(const std::string& name, double& value, const std::string& about,
+                         double least, double most) {
+    app_.add_option(name, value, about)->check(CLI::Range(least, most).description(""));
+}
+
+void CommandLine::time_limit() {
+    app_.add_option_function<std::int64_t>(
+            "--time-limit", [](std::int64_t limit_s) { limit_time(std::chrono::seconds(limit_s)); },
+            "seconds after which it ends with 2 and without a result; what was there stays")
+        ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000}));
 }
 
 void CommandLine::flag(const std::string& name, bool& value, const std::string& about) {

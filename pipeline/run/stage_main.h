@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -27,6 +28,8 @@ class CommandLine {
 
     void text(const std::string& name, std::string& value, const std::string& about,
               Need need = Need::optional);
+    /// None where the option is not given: an empty text is one.
+    void text(const std::string& name, std::optional<std::string>& value, const std::string& about);
     /// A text that is one of these words, which `about` names.
     void word(const std::string& name, std::string& value, const std::string& about,
               const std::vector<std::string>& words, Need need = Need::optional);
@@ -36,7 +39,11 @@ class CommandLine {
     /// A whole number from `least` to `most`, which `about` names where they matter.
     void integer(const std::string& name, std::int64_t& value, const std::string& about,
                  std::int64_t least, std::int64_t most);
+    void number(const std::string& name, double& value, const std::string& about, double least,
+                double most);
     void flag(const std::string& name, bool& value, const std::string& about);
+    /// `--time-limit`, of a command that makes or checks a run.
+    void time_limit();
     /// One cannot be given with the others, which were added before.
     void exclude(const std::string& one, const std::vector<std::string>& others);
     /// One cannot be given without the other, which was added before.
@@ -45,7 +52,6 @@ class CommandLine {
     void show_default(const std::string& name);
     /// What help says after the options.
     void footer(const std::string& text);
-    CLI::App& app() const { return app_; }
 
   private:
     CLI::App& app_;

@@ -172,7 +172,10 @@ void add_choices(CommandLine& line, BatchOptions& options) {
                 "seconds after which a step is ended and its run has failed (default: 600)", 0.1,
                 1e7);
     line.flag("--force", options.force, "make every step again");
-    line.word("--from", options.from, "make this step and those after it again", nameable_steps());
+    const std::vector<std::string> names = nameable_steps();
+    line.word("--from", options.from,
+              fmt::format("make this step and those after it again: {}", fmt::join(names, ", ")),
+              names);
     line.texts("--only", options.only,
                "only attempts with such an id (* and ? as in file names); may be repeated");
     line.flag("--no-pdf", options.no_pdf, "report.json and HTML alone");

@@ -95,6 +95,26 @@ macro(runcert_estimates)
   endif()
 endmacro()
 
+# runcert_end_of_inner_ring(folder)
+#
+# Every target of the folder and of those below must link targets that are there by now alone: the
+# outer ring, which is added afterwards, is out of its reach.
+function(runcert_end_of_inner_ring folder)
+  get_property(subfolders DIRECTORY ${folder} PROPERTY SUBDIRECTORIES)
+  foreach(subfolder ${subfolders})
+    runcert_end_of_inner_ring(${subfolder})
+  endforeach()
+  get_property(targets DIRECTORY ${folder} PROPERTY BUILDSYSTEM_TARGETS)
+  foreach(target ${targets})
+    get_target_property(links ${target} LINK_LIBRARIES)
+    foreach(link ${links})
+      if(link MATCHES "^runcert_" AND NOT TARGET ${link})
+        message(FATAL_ERROR "${target}, of the inner ring, links ${link}, which is of the outer one or nowhere")
+      endif()
+    endforeach()
+  endforeach()
+endfunction()
+
 # runcert_precompile(folder)
 #
 # Compiles what most sources include of other projects once for each set of options that targets of

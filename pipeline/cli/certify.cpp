@@ -239,7 +239,7 @@ int certify(const CertifyOptions& options) {
     const fs::path run_dir =
         options.out.empty() ? fs::path("out") / attempt.id : fs::path(options.out);
     const fs::path file = options.attempt;
-    const DayAttempt given{
+    const GivenAttempt given{
         .id = attempt.id, .source = options.attempt, .file = file, .folder = file.parent_path()};
     Shown shown(options, run_dir);
     const RunState state = update_run({.attempt = given, .run_dir = run_dir, .is_named = true},

@@ -5,8 +5,7 @@
 
 #include "core/failure.h"
 #include "recompute.h"
-#include "reports/diff/run_difference.h"
-#include "reports/diff/table_comparison.h"
+#include "reports/comparison/table_comparison.h"
 #include "run/steps.h"
 #include "schemas/products/products.h"
 #include "store/atomic_file.h"

@@ -12,7 +12,7 @@
 
 namespace runcert {
 
-Claim read_claim(const DayAttempt& given) {
+Claim read_claim(const GivenAttempt& given) {
     Claim claim;
     // The text that a day file made has lines that are not the day file's.
     claim.source.file =

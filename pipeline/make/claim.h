@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "make/day_attempts.h"
+#include "make/given_attempt.h"
 #include "make/run_record.h"
 #include "run/attempt_files.h"
 #include "run/steps.h"
@@ -25,7 +25,7 @@ struct Claim {
 
 /// Reads an attempt of a day, from its own file if it has one. Failures as of `read_attempt`, and
 /// where something cannot be found or the id is no longer the one that the day listed.
-Claim read_claim(const DayAttempt& given);
+Claim read_claim(const GivenAttempt& given);
 
 /// SHA-256 hashes of all files that import reads for a claim, by name in the run folder.
 FileHashes recording_hashes(const Claim& claim);

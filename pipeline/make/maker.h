@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "make/day_attempts.h"
+#include "make/given_attempt.h"
 #include "make/progress.h"
 #include "make/run_record.h"
 #include "run/steps.h"
@@ -42,7 +42,7 @@ MakerOptions maker_options(std::vector<std::string> pages, const std::string& ke
 
 /// A run to be made.
 struct RunOrder {
-    const DayAttempt& attempt;
+    const GivenAttempt& attempt;
     std::filesystem::path run_dir;
     bool is_named = false;  ///< the folder, by the user: it may be a link
 };

@@ -32,9 +32,10 @@ void refuse_unprintable_lines(std::string_view text, const std::string& where) {
         std::string_view content = text.substr(0, end);
         if (content.ends_with('\r')) content.remove_suffix(1);
         if (!is_printable_ascii(content) && !is_printable_line(content))
-            throw Failure(fmt::format("{}:{}:1", where, line),
-                          "the line holds characters that are not seen, or bytes that are not UTF-8",
-                          "Save the file as UTF-8 text, without such characters");
+            throw Failure(
+                fmt::format("{}:{}:1", where, line),
+                "the line holds characters that are not seen, or bytes that are not UTF-8",
+                "Save the file as UTF-8 text, without such characters");
         text.remove_prefix(std::min(end + 1, text.size()));
     }
 }

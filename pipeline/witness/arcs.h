@@ -5,8 +5,8 @@
 #include <map>
 #include <vector>
 
-#include "motion/noise_fit.h"
 #include "motion/chain.h"
+#include "motion/noise_fit.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/screened/screened.h"
 #include "schemas/trajectory/declared.h"

@@ -6,8 +6,8 @@
 
 namespace runcert {
 
-/// Finds the row of an epoch. Epochs are numbered as they were recorded, and rows stand in the order
-/// of time: another one where a session was recorded late. The rows must outlive this.
+/// Finds the row of an epoch. Epochs are numbered as they were recorded, and rows stand in the
+/// order of time: another one where a session was recorded late. The rows must outlive this.
 template <class Row>
 class RowsByEpoch {
   public:

@@ -4,10 +4,10 @@
 #include <set>
 #include <span>
 
+#include "motion/sections.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/screened/screened.h"
 #include "stages/screen/physical_limits.h"
-#include "motion/sections.h"
 #include "stages/screen/surface_check.h"
 #include "witness/roster.h"
 #include "witness/witness.h"

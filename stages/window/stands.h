@@ -29,8 +29,8 @@ std::vector<Stand> stands_of(const ScreenedTable& screened, const TrajectoryTabl
 /// Empty if they last less than five times `lag_s`. Axes: 2, or 1 for heights.
 template <int Axes>
 std::optional<double> standing_error_m(const ScreenedTable& screened,
-                                       const std::vector<Stand>& stands, FixType fix,
-                                       double lag_s, double scale);
+                                       const std::vector<Stand>& stands, FixType fix, double lag_s,
+                                       double scale);
 
 /// What the stands say of the stated standard deviations: some sentences, empty if nothing or if
 /// they last less than 15 s. Stands by positions alone are mentioned only where these moved by more

@@ -73,7 +73,7 @@ class AttemptCase {
         for (const auto& [name, rule] : document.at("rules").items())
             std::ofstream(folder_ / (name + ".yaml")) << rule.dump(1);
         std::ofstream(file()) << document.at("attempt").dump(1);
-        claim_ = read_claim(DayAttempt{.id = document.at("attempt").at("id"),
+        claim_ = read_claim(GivenAttempt{.id = document.at("attempt").at("id"),
                                        .source = "attempt.yaml",
                                        .file = file(),
                                        .folder = folder_});

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "make/day_run.h"
+#include "days/day_run.h"
 #include "store/sha256.h"
 
 namespace runcert::chain {

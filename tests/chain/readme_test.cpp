@@ -165,7 +165,7 @@ TEST_F(Readme, TheLandYachtGoesFromCertifyToRecordBeaten) {
 TEST_F(Readme, CommandsOfEveryPageWork) {
     must("ln -s " RUNCERT_PROGRAMS "/runcert runcert && ln -s " + examples.string() + " examples");
     for (const char* page : {"README.md", "examples/README.md", "stages/check/profiles/README.md",
-                             "pipeline/make/README.md", "schemas/README.md"}) {
+                             "pipeline/outer/days/README.md", "schemas/README.md"}) {
         const std::vector<std::string> commands = commands_of(page);
         EXPECT_FALSE(commands.empty()) << page;
         for (const std::string& command : commands) {
@@ -184,7 +184,7 @@ TEST(ReadmePage, IsOneScreenAndItsLinksLeadSomewhere) {
     static const std::regex link("\\]\\(([^)#]+)\\)");
     for (const char* page :
          {"README.md", "examples/README.md", "stages/check/profiles/README.md",
-          "pipeline/make/README.md", "pipeline/trust/README.md", "pipeline/trust/ATTESTING.md",
+          "pipeline/outer/days/README.md", "pipeline/trust/README.md", "pipeline/trust/ATTESTING.md",
           "pipeline/trust/CHECKING.md", "reports/WORDS.md", "examples/PREPARING.md",
           "CONTRIBUTING.md", "schemas/README.md", "reports/METHOD.md", "stages/README.md",
           "tests/README.md"}) {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/failure.h"
-#include "make/slurm.h"
+#include "days/slurm.h"
 #include "slurm_support.h"
 #include "store/atomic_file.h"
 

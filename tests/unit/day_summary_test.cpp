@@ -66,7 +66,7 @@ TEST(DaySummary, TakesIdAndCraftFromTheReport) {
 }
 
 TEST(DaySummary, RefusesAVerdictOrReportOfAnotherAttempt) {
-    const DayAttempt attempt{.id = "run-1", .source = "day.yaml:3"};
+    const GivenAttempt attempt{.id = "run-1", .source = "day.yaml:3"};
     const AttemptOutcome outcome{.state = "done"};
     const DayOutcome of{attempt, outcome};
     Verdict verdict;
@@ -82,7 +82,7 @@ TEST(DaySummary, RefusesAVerdictOrReportOfAnotherAttempt) {
 }
 
 TEST(DaySummary, SaysWhyAnAttemptIsNotDone) {
-    const DayAttempt attempt{.id = "run-1", .source = "day.yaml:3"};
+    const GivenAttempt attempt{.id = "run-1", .source = "day.yaml:3"};
     const AttemptOutcome failed{
         .state = "failed",
         .failure = RunFailure{.step = "import", .problem = "p", .where = "w", .remedy = "r"}};

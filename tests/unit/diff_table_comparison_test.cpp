@@ -5,7 +5,7 @@
 
 #include "core/failure.h"
 #include "reports/diff/run_difference.h"
-#include "reports/diff/table_comparison.h"
+#include "reports/comparison/table_comparison.h"
 #include "reports/document/document_text.h"
 
 namespace runcert::RUNCERT_FILE {

@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "reports/diff/value_comparison.h"
+#include "reports/comparison/value_comparison.h"
 #include "store/document_schema.h"
 
 namespace runcert::RUNCERT_FILE {

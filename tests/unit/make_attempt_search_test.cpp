@@ -145,7 +145,7 @@ TEST_F(AttemptFolder, NamesOfAnyKind) {
         put_attempt(names[i] + "/attempt.yaml", fmt::format("id-{}", i));
     const Day day = read();
     ASSERT_EQ(day.attempts.size(), names.size());
-    for (const DayAttempt& attempt : day.attempts) {
+    for (const GivenAttempt& attempt : day.attempts) {
         EXPECT_EQ(said_of(attempt), "");
         const std::size_t i = std::stoul(attempt.id.substr(3));
         EXPECT_EQ(attempt.folder, this->day() / names.at(i));
@@ -172,7 +172,7 @@ TEST_F(AttemptFolder, TheOrderOfMakingDoesNotMatter) {
             if (i % 7 == 0) fs::create_directory_symlink(n, day() / ("link-" + n));
         }
         const Day day = read();
-        for (const DayAttempt& attempt : day.attempts)
+        for (const GivenAttempt& attempt : day.attempts)
             list.push_back(attempt.source + attempt.text);
         list.insert(list.end(), day.notes.begin(), day.notes.end());
     }

@@ -33,7 +33,7 @@ TEST_F(Days, AttemptFilesByName) {
                  out());
     EXPECT_EQ(day.attempts.size(), 4U);
     std::string said;
-    for (const DayAttempt& attempt : day.attempts)
+    for (const GivenAttempt& attempt : day.attempts)
         said += said_of(attempt) + "\n";
     EXPECT_NE(said.find("none.yaml"), std::string::npos);
     EXPECT_NE(said.find("c.yaml:1:9: schema: the file does not say that it follows attempt/1.0"),
@@ -123,7 +123,7 @@ TEST_F(Days, TheQuickIdIsTheParsersOrLeftToIt) {
         put("a.yaml", "schema: attempt/1.0\n" + lines[i] +
                           "\ncraft: {name: b, class: board}\nreceivers: [{id: primary, recording: "
                           "r}]\nprofiles: [nalsa]\n");
-        const DayAttempt attempt = read().attempts.at(0);
+        const GivenAttempt attempt = read().attempts.at(0);
         std::string parsed = "refused";
         try {
             parsed = read_attempt(
@@ -156,7 +156,7 @@ TEST_F(Days, TwoThousandAttemptsAreListedAtOnce) {
         const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
         std::cout << "2,000 " << what << ": " << taken.count() << " s\n";
         EXPECT_EQ(day.attempts.size(), 2000U);
-        for (const DayAttempt& attempt : day.attempts)
+        for (const GivenAttempt& attempt : day.attempts)
             ASSERT_EQ(said_of(attempt), "");
     };
     timed("attempt files", day() / "files");

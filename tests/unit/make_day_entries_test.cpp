@@ -24,7 +24,7 @@ using test::said_of;
 
 struct DayEntries : DayTest {};
 
-std::vector<std::string> recordings_of(const DayAttempt& attempt) {
+std::vector<std::string> recordings_of(const GivenAttempt& attempt) {
     return read_attempt(attempt.text, attempt.source).receivers.at(0).recordings;
 }
 
@@ -69,7 +69,7 @@ TEST_F(DayEntries, IdsMadeOfNames) {
     EXPECT_TRUE(notes_say(day, "day.yaml:4: \"\xc3\x89mile's run\" as an id is mile-s-run"));
     EXPECT_TRUE(notes_say(day, "\"--\" as an id is run"));
     EXPECT_EQ(day.notes.size(), 6U);
-    for (const DayAttempt& attempt : day.attempts)
+    for (const GivenAttempt& attempt : day.attempts)
         EXPECT_EQ(read_attempt(attempt.text, "f").id, attempt.id);
 }
 
@@ -176,7 +176,7 @@ TEST_F(DayEntries, SimulatedDaysForOtherTestsAreDaysAndTheSameEachTime) {
     ASSERT_EQ(first.attempts.size(), 12U);
     std::set<std::string> recordings;
     for (std::size_t i = 0; i < 12; ++i) {
-        const DayAttempt& attempt = first.attempts[i];
+        const GivenAttempt& attempt = first.attempts[i];
         EXPECT_EQ(said_of(attempt), "");
         EXPECT_EQ(attempt.text, again.attempts.at(i).text);
         const fs::path recording = recordings_of(attempt).at(0);
@@ -196,7 +196,7 @@ TEST(DayExample, IsFourAttemptsOfSimulatedRecordings) {
     EXPECT_EQ(ids_of(day),
               (Ids{"yacht-a-heat-1", "yacht-a-heat-2", "yacht-a-heat-3", "yacht-b-final"}));
     EXPECT_EQ(read_attempt(day.attempts.at(3).text, "f").craft.name, "Yacht B");
-    for (const DayAttempt& attempt : day.attempts) {
+    for (const GivenAttempt& attempt : day.attempts) {
         const fs::path recording = recordings_of(attempt).at(0);
         const fs::path spec_file = folder / "specs" / recording.stem().concat(".yaml");
         const SimulationDocument spec = read_simulation(test::slurp(spec_file), "spec");

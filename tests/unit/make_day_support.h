@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "make/day_attempts.h"
+#include "days/day_attempts.h"
 #include "store/process.h"
 #include "store_test_support.h"
 
@@ -47,7 +47,7 @@ class DayTest : public testing::Test {
 
 inline std::vector<std::string> ids_of(const Day& day) {
     std::vector<std::string> ids;
-    for (const DayAttempt& attempt : day.attempts)
+    for (const GivenAttempt& attempt : day.attempts)
         ids.push_back((attempt.refused ? "!" : "") + attempt.id);
     return ids;
 }
@@ -59,7 +59,7 @@ inline bool notes_say(const Day& day, std::string_view text) {
     return false;
 }
 
-inline std::string said_of(const DayAttempt& attempt) {
+inline std::string said_of(const GivenAttempt& attempt) {
     return attempt.refused ? attempt.refused->what() : "";
 }
 

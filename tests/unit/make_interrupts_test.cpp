@@ -9,7 +9,7 @@
 #include <string>
 #include <thread>
 
-#include "make/interrupts.h"
+#include "days/interrupts.h"
 #include "store/process.h"
 
 namespace runcert::RUNCERT_FILE {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "make/slurm.h"
+#include "days/slurm.h"
 #include "store/atomic_file.h"
 #include "store_test_support.h"
 

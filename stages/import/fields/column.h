@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "schemas/observations/observations.h"
 #include "core/written_unit.h"
+#include "schemas/observations/observations.h"
 
 namespace runcert::csv {
 

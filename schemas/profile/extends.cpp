@@ -48,17 +48,7 @@ class Extension {
     }
 
     /// A node of the base, at the place where the rule says that it extends it.
-    void copy_of_base(const YamlNode& node) {
-        const YamlMark mark = own_["extends"].node().mark();
-        if (node.is_null()) return builder_.null(mark);
-        if (node.is_scalar()) return builder_.scalar(node.scalar(), node.is_quoted(), mark);
-        builder_.begin(node.kind(), mark);
-        for (std::size_t i = 0; i < node.size(); ++i) {
-            if (node.is_map()) copy_of_base(node.key(i));
-            copy_of_base(node.is_map() ? node.value(i) : node.item(i));
-        }
-        (void)builder_.end();
-    }
+    void copy_of_base(const YamlNode& node) { builder_.copy(node, own_["extends"].node().mark()); }
 
     void join(std::string_view key, const YamlNode& base, const YamlNode& own, bool is_rule) {
         if (base.is_map() && own.is_map())

@@ -130,9 +130,10 @@ std::string codec(const DeclaredStruct& made, bool writes) {
                                     : fmt::format("map[\"{}\"]", made.names[i].substr(0, point));
         const std::string computed = entry["computed"].text_or("");
         if (writes && !computed.empty())
-            out += is_set(entry, "required")
-                       ? fmt::format("    map[\"{}\"] = value.{};\n", name, computed)
-                       : fmt::format("    member::write(map, \"{}\", value.{});\n", name, computed);
+            out += fmt::format(fmt::runtime(entry["type"].text() == "text"
+                                                ? "    member::write(map, \"{}\", value.{});\n"
+                                                : "    map[\"{}\"] = value.{};\n"),
+                               name, computed);
         if (is_set(entry, "base"))
             out += fmt::format("    member::take(map, \"{}\", static_cast<{}&>(value));\n", name,
                                entry["type"].text());

@@ -109,6 +109,13 @@ std::string upper_case(std::string_view text) {
     return upper;
 }
 
+bool has_only(std::string_view text, std::string_view others) {
+    return std::ranges::all_of(text, [&](char c) {
+        return is_digit(c) || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
+               others.find(c) != std::string_view::npos;
+    });
+}
+
 std::string capitalised(std::string_view text) {
     return upper_case(text.substr(0, 1)).append(text.substr(std::min<std::size_t>(1, text.size())));
 }
@@ -186,11 +193,7 @@ void replace_all(std::string& text, std::string_view name, std::string_view by) 
 }
 
 std::string shell_word(std::string_view text) {
-    const bool plain = !text.empty() && std::all_of(text.begin(), text.end(), [](char c) {
-        return is_digit(c) || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
-               std::string_view("._-/").find(c) != std::string_view::npos;
-    });
-    if (plain) return std::string(text);
+    if (!text.empty() && has_only(text, "._-/")) return std::string(text);
     std::string quoted = "'";
     for (const char c : text)
         quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);

@@ -31,6 +31,9 @@ constexpr bool is_digit(char c) {
     return c >= '0' && c <= '9';
 }
 
+/// Whether every character is an ASCII letter or digit, or one of these others.
+bool has_only(std::string_view text, std::string_view others);
+
 /// The text with ASCII letters in lower or upper case. Other bytes stay as they are.
 std::string lower_case(std::string_view text);
 std::string upper_case(std::string_view text);

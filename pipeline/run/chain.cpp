@@ -9,7 +9,7 @@
 #include "core/rounding.h"
 #include "core/text.h"
 #include "schemas/common/product_files.h"
-#include "schemas/observations/recording_facts.h"
+#include "schemas/observations/observations.h"
 #include "store/ecsv.h"
 #include "store/program.h"
 #include "store/yaml_output.h"

@@ -2,14 +2,11 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <thread>
-#include <utility>
 
 #include "core/failure.h"
 #include "store/user_state.h"
@@ -20,15 +17,6 @@ namespace {
 // A program that a killed process was just starting has its lock until it has begun or ended.
 constexpr std::chrono::seconds longest_inheritance{1};
 constexpr std::chrono::milliseconds poll_interval{5};
-
-/// Whether a name is still that of an open folder, and not of one that was exchanged for it.
-bool still_names(int parent, const std::filesystem::path& name, bool follow, int folder) {
-    struct stat open_one {};
-    struct stat named {};
-    return fstat(folder, &open_one) == 0 &&
-           fstatat(parent, name.c_str(), &named, follow ? 0 : AT_SYMLINK_NOFOLLOW) == 0 &&
-           open_one.st_dev == named.st_dev && open_one.st_ino == named.st_ino;
-}
 
 /// Removes what killed programs of this user left half written in a folder, and in those of a run
 /// in it. What cannot be removed stays: it is no part of the run.
@@ -52,28 +40,31 @@ bool is_run_subfolder(std::string_view name) {
 }
 
 RunLock::RunLock(const std::filesystem::path& run_dir, RunUse use) {
-    if (take(AT_FDCWD, run_dir, true, run_dir) && use == RunUse::writes)
+    std::error_code error;
+    const std::filesystem::path real = std::filesystem::canonical(run_dir, error);
+    if (error || !real.has_filename()) return;
+    if (take(Folder(real.parent_path()), real.filename().string(), run_dir) &&
+        use == RunUse::writes)
         remove_half_written(Folder(run_dir), true);
 }
 
 RunLock::RunLock(const Folder& parent, const std::string& name) {
-    if (take(parent.number(), name, false, parent.path() / name))
-        remove_half_written(parent.open(name), true);
+    if (take(parent, name, parent.path() / name)) remove_half_written(parent.open(name), true);
 }
 
-bool RunLock::take(int parent, const std::filesystem::path& name, bool follow,
+bool RunLock::take(const Folder& parent, const std::string& name,
                    const std::filesystem::path& shown) {
-    const int how = O_RDONLY | O_DIRECTORY | O_CLOEXEC | (follow ? 0 : O_NOFOLLOW);
+    constexpr int how = O_RDONLY | O_DIRECTORY | O_CLOEXEC | O_NOFOLLOW;
     const auto last_try = std::chrono::steady_clock::now() + longest_inheritance;
     while (true) {
-        folder_ = openat(parent, name.c_str(), how);
-        if (folder_ < 0) return false;  // what is written there then fails with its own reason
-        const bool taken = flock(folder_, LOCK_EX | LOCK_NB) == 0;
-        const int error = taken ? 0 : errno;
-        if (taken && still_names(parent, name, follow, folder_)) return true;
-        if (!taken && error != EWOULDBLOCK && error != EINTR) return false;
-        close(std::exchange(folder_, -1));
-        if (taken) continue;
+        folder_ = FileDescriptor(openat(parent.number(), name.c_str(), how));
+        // Without it, what is written there then fails with its own reason.
+        if (!folder_.is_open()) return false;
+        if (flock(folder_.number(), LOCK_EX | LOCK_NB) == 0) {
+            if (parent.has(folder_.number(), name)) return true;
+            continue;
+        }
+        if (errno != EWOULDBLOCK && errno != EINTR) return false;
         if (std::chrono::steady_clock::now() > last_try)
             throw Failure(shown.string(), "another program is writing in this run folder",
                           "Wait until it has ended, and run this again");
@@ -82,10 +73,8 @@ bool RunLock::take(int parent, const std::filesystem::path& name, bool follow,
 }
 
 RunLock::~RunLock() {
-    if (folder_ < 0) return;
     // Closing alone would wait for a program that another thread is just starting.
-    flock(folder_, LOCK_UN);
-    close(folder_);
+    if (folder_.is_open()) flock(folder_.number(), LOCK_UN);
 }
 
 }  // namespace runcert

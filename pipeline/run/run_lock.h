@@ -38,10 +38,9 @@ class RunLock {
     RunLock& operator=(const RunLock&) = delete;
 
   private:
-    bool take(int parent, const std::filesystem::path& name, bool follow,
-              const std::filesystem::path& shown);
+    bool take(const Folder& parent, const std::string& name, const std::filesystem::path& shown);
 
-    int folder_ = -1;
+    FileDescriptor folder_;
 };
 
 }  // namespace runcert

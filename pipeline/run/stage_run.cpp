@@ -21,7 +21,7 @@ InputFile input_file(const std::string& role, const std::string& file, const Fil
     return {.role = role,
             .file = file,
             .sha256 = digest.sha256,
-            .bytes = digest.bytes,
+            .bytes = static_cast<std::int64_t>(digest.bytes),
             .original = original == file ? "" : original};
 }
 

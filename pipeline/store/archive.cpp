@@ -21,21 +21,16 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t longest_name = 100;  // ustar without its prefix field
-constexpr const char* take_the_original =
+constexpr const char* send_it_again =
     "Have it sent again by whoever made it; unpack nothing of it by hand";
 
-struct FreeWriter {
-    void operator()(archive* a) const { archive_write_free(a); }
+template <auto free>
+struct Freed {
+    void operator()(auto* one) const { free(one); }
 };
-struct FreeReader {
-    void operator()(archive* a) const { archive_read_free(a); }
-};
-struct FreeEntry {
-    void operator()(archive_entry* e) const { archive_entry_free(e); }
-};
-using Writer = std::unique_ptr<archive, FreeWriter>;
-using Reader = std::unique_ptr<archive, FreeReader>;
-using Entry = std::unique_ptr<archive_entry, FreeEntry>;
+using Writer = std::unique_ptr<archive, Freed<archive_write_free>>;
+using Reader = std::unique_ptr<archive, Freed<archive_read_free>>;
+using Entry = std::unique_ptr<archive_entry, Freed<archive_entry_free>>;
 
 std::string said_by(archive* a) {
     const char* text = archive_error_string(a);
@@ -87,10 +82,7 @@ void pack_one(archive* a, const PackedFile& file) {
 
 bool is_plain_part(std::string_view part) {
     if (part.empty() || part.front() == '.' || part.front() == '-') return false;
-    return std::all_of(part.begin(), part.end(), [](char c) {
-        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-               std::string_view("._-+@,=").find(c) != std::string_view::npos;
-    });
+    return has_only(part, "._-+@,=");
 }
 
 /// One archive being unpacked.
@@ -128,7 +120,7 @@ class Unpacking {
 
   private:
     [[noreturn]] void refuse(const std::string& what) const {
-        throw Failure(where_, what, take_the_original);
+        throw Failure(where_, what, send_it_again);
     }
 
     void take(archive_entry* entry) {
@@ -265,7 +257,7 @@ std::string unpacked_sha256(std::string_view bytes, const std::string& where, st
     archive_read_support_format_raw(reader.get());
     const auto require = [&](la_ssize_t status) {
         if (status < 0)
-            throw Failure(where, "it is damaged: " + said_by(reader.get()), take_the_original);
+            throw Failure(where, "it is damaged: " + said_by(reader.get()), send_it_again);
     };
     require(archive_read_open_memory(reader.get(), bytes.data(), bytes.size()));
     archive_entry* entry = nullptr;
@@ -280,7 +272,7 @@ std::string unpacked_sha256(std::string_view bytes, const std::string& where, st
             unpacked += static_cast<std::uint64_t>(count);
             if (unpacked > most)
                 throw Failure(where, fmt::format("it unpacks to more than {} bytes", most),
-                              take_the_original);
+                              send_it_again);
             add({buffer.data(), static_cast<std::size_t>(count)});
         }
     });

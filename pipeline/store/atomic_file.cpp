@@ -179,7 +179,11 @@ FileView::~FileView() {
 }
 
 void read_pieces(const fs::path& path, const std::function<void(std::string_view)>& take) {
-    const FileDescriptor file(open_regular(path));
+    read_pieces(FileDescriptor(open_regular(path)), path, take);
+}
+
+void read_pieces(const FileDescriptor& file, const fs::path& path,
+                 const std::function<void(std::string_view)>& take) {
     // Most files are small, and a page of memory that is touched costs as much as to read one.
     const std::size_t size =
         std::clamp(size_of(file.number()) + 1, std::size_t{1} << 12, std::size_t{1} << 20);

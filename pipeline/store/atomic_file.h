@@ -57,6 +57,7 @@ class FileView {
     std::string text_;
 };
 
+class FileDescriptor;
 class Folder;
 class TemporaryFile;
 
@@ -86,6 +87,9 @@ class AtomicFile {
 /// Gives the contents of a file to `take`, in order, in pieces of at most 1 MiB.
 /// Failures as for read_file; what `take` throws passes through.
 void read_pieces(const std::filesystem::path& path,
+                 const std::function<void(std::string_view piece)>& take);
+/// The same of an open file; `path` names it in messages.
+void read_pieces(const FileDescriptor& file, const std::filesystem::path& path,
                  const std::function<void(std::string_view piece)>& take);
 
 /// Replaces or creates a file so that, whatever happens, its name holds the whole old contents

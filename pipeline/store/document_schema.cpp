@@ -11,55 +11,50 @@
 namespace runcert {
 namespace {
 
-std::optional<FieldOrigin> read_origin(const YamlValue& entry) {
-    if (!entry["origin"].exists()) return std::nullopt;
-    const auto words = [&entry](std::string_view key) {
-        std::vector<std::string> all;
-        if (const YamlValue list = entry[key]; list.is_list())
-            for (const YamlValue& one : list.list())
-                all.push_back(one.text());
-        return all;
-    };
-    return FieldOrigin{.origin = entry["origin"].text(),
-                       .changes = words("changes"),
-                       .decides = words("decides"),
-                       .clause = entry["clause"].text_or("")};
+std::vector<std::string> texts_in(const YamlValue& list) {
+    std::vector<std::string> texts;
+    for (const YamlValue& one : list.list())
+        texts.push_back(one.text());
+    return texts;
 }
 
 FieldRule read_rule(const std::string& path, const YamlValue& entry) {
-    FieldRule rule{.path = path, .default_value = entry["default"]};
+    const auto is_set = [&entry](std::string_view key) {
+        return entry[key].exists() && entry[key].boolean();
+    };
+    FieldRule rule{.path = path,
+                   .unit = entry["unit"].text_or(""),
+                   .required = is_set("required"),
+                   .values = texts_in(entry["values"]),
+                   .minimum = entry["min"].optional_real(),
+                   .maximum = entry["max"].optional_real(),
+                   .decimals = static_cast<int>(entry["decimals"].optional_integer().value_or(6)),
+                   .default_value = entry["default"],
+                   .description = entry["description"].text(),
+                   .question = entry["question"].text_or(""),
+                   .why = entry["why"].text_or(""),
+                   .example = entry["example"].text_or("..."),
+                   .always_asked = is_set("always_asked"),
+                   .names_file = is_set("names_file"),
+                   .apart = is_set("apart"),
+                   .series = texts_in(entry["series"]),
+                   .before_rule = is_set("before_rule")};
     const std::string types = entry["type"].text();
     for (std::size_t begin = 0; begin <= types.size();) {
         const std::size_t end = std::min(types.find('|', begin), types.size());
         rule.types.push_back(types.substr(begin, end - begin));
         begin = end + 1;
     }
-    rule.unit = entry["unit"].text_or("");
-    const auto is_set = [&entry](std::string_view key) {
-        return entry[key].exists() && entry[key].boolean();
+    // What changes nothing has no list: "changes: nothing".
+    const auto words = [&](std::string_view key) {
+        return entry[key].is_list() ? texts_in(entry[key]) : std::vector<std::string>();
     };
-    rule.required = is_set("required");
-    for (const YamlValue& value : entry["values"].list())
-        rule.values.push_back(value.text());
-    rule.minimum = entry["min"].optional_real();
-    rule.maximum = entry["max"].optional_real();
-    rule.decimals = static_cast<int>(entry["decimals"].optional_integer().value_or(6));
-    rule.description = entry["description"].text();
-    rule.question = entry["question"].text_or("");
-    rule.why = entry["why"].text_or("");
-    rule.example = entry["example"].text_or("...");
-    rule.origin = read_origin(entry);
-    rule.before_rule = is_set("before_rule");
-    rule.always_asked = is_set("always_asked");
-    rule.names_file = is_set("names_file");
-    rule.apart = is_set("apart");
-    for (const YamlValue& quantity : entry["series"].list())
-        rule.series.push_back(quantity.text());
-    if (const YamlValue stages = entry["read_by"]; stages.is_list()) {
-        rule.read_by.emplace();
-        for (const YamlValue& stage : stages.list())
-            rule.read_by->push_back(stage.text());
-    }
+    if (entry["origin"].exists())
+        rule.origin = {.origin = entry["origin"].text(),
+                       .changes = words("changes"),
+                       .decides = words("decides"),
+                       .clause = entry["clause"].text_or("")};
+    if (entry["read_by"].is_list()) rule.read_by = texts_in(entry["read_by"]);
     return rule;
 }
 
@@ -100,15 +95,6 @@ void check_scalar(const FieldRule& rule, const YamlValue& value) {
         value.fail(fmt::format("is a single value, not a {}", fmt::join(rule.types, " or ")),
                    "See the field table of the schema");
     }
-}
-
-/// Whether a scalar is as its rule wants it, without the words for what is wrong with it.
-bool is_sound(const FieldRule& rule, const YamlNode& scalar) {
-    if (has_type(rule, "text")) return rule.values.empty();
-    if (scalar.is_quoted() || !has_type(rule, "real") || has_type(rule, "integer")) return false;
-    const std::optional<double> number = parse_double(scalar.scalar());
-    return number && !(rule.minimum && *number < *rule.minimum) &&
-           !(rule.maximum && *number > *rule.maximum);
 }
 
 std::string field_path(const std::string& path, std::string_view name) {
@@ -228,111 +214,88 @@ std::vector<std::string_view> DocumentSchema::children(std::string_view path) co
     return names;
 }
 
-/// How a node was reached from the one above it, so that the path is put into words only where it
-/// is needed.
-struct DocumentSchema::Step {
-    const Step* above = nullptr;
-    std::string_view key;
-    std::optional<std::size_t> index{};
-
-    std::string path(const std::string& root) const {
-        if (!above) return root;
-        const std::string before = above->path(root);
-        if (index) return fmt::format("{}[{}]", before, *index);
-        return before.empty() ? std::string(key) : fmt::format("{}.{}", before, key);
-    }
-};
-
 /// The check of one document.
 class DocumentSchema::Validation {
   public:
-    Validation(const DocumentSchema& schema, const YamlValue& document, Completeness completeness)
-        : schema_(schema), document_(document), completeness_(completeness) {}
+    Validation(const DocumentSchema& schema, Completeness completeness)
+        : schema_(schema), completeness_(completeness) {}
 
-    void map(const YamlNode& node, const Step& step, const std::string& path) const {
+    void map(const YamlValue& map, const std::string& path) const {
+        const YamlNode& node = map.node();
         const std::vector<std::string_view> known = schema_.children(path);
         for (std::size_t i = 0; i < node.size(); ++i) {
             const std::string_view key = node.key(i).scalar();
-            const Step below{.above = &step, .key = key};
             // Not by the whole path: a key may be written "craft.name", which is no field.
             if (std::find(known.begin(), known.end(), key) != known.end()) {
-                value(node.value(i), below, field_path(path, key));
+                value(map[key], field_path(path, key));
             } else if (const std::string any = field_path(path, "*"); schema_.find(any)) {
-                value(node.value(i), below, any);
+                value(map[key], any);
             } else {
-                if (i > 0) refuse_decimal_comma(node, i, step);
-                refuse_key(node.key(i), path, known);
+                if (i > 0) refuse_decimal_comma(map, i);
+                refuse_key(map, node.key(i), path, known);
             }
         }
         if (completeness_ == Completeness::begun) return;
         for (const std::string_view name : known) {
             const FieldRule& rule = *schema_.find(field_path(path, name));
             if (rule.required && node[name].is_null())
-                at(node, step)
-                    .fail(fmt::format("the key \"{}\" is missing ({})", name, rule.description),
-                          "Add it");
+                map.fail(fmt::format("the key \"{}\" is missing ({})", name, rule.description),
+                         "Add it");
         }
     }
 
   private:
-    YamlValue at(const YamlNode& node, const Step& step) const {
-        return {node, document_.where(), step.path(document_.path())};
-    }
-
     /// Between braces a decimal comma parts a number: {speed: 440,5} has the key 5.
-    void refuse_decimal_comma(const YamlNode& map, std::size_t unknown, const Step& step) const {
-        const YamlNode number = map.value(unknown - 1);
-        const std::string_view decimals = map.key(unknown).scalar();
+    static void refuse_decimal_comma(const YamlValue& map, std::size_t unknown) {
+        const YamlNode number = map.node().value(unknown - 1);
+        const std::string_view decimals = map.node().key(unknown).scalar();
         const std::string written = fmt::format("{},{}", number.scalar(), decimals);
-        if (!map.value(unknown).is_null() || number.is_quoted() || !parse_integer(decimals) ||
-            !is_digit(decimals.front()) || !parse_integer(number.scalar()))
+        if (!map.node().value(unknown).is_null() || number.is_quoted() ||
+            !parse_integer(decimals) || !is_digit(decimals.front()) ||
+            !parse_integer(number.scalar()))
             return;
-        const Step below{.above = &step, .key = map.key(unknown - 1).scalar()};
-        at(number, below)
-            .fail(fmt::format("\"{}\" is not a number: it has a decimal comma",
-                              escape_for_message(written)),
-                  fmt::format("Write it with a decimal point: {}.{}", number.scalar(), decimals));
+        map[map.node().key(unknown - 1).scalar()].fail(
+            fmt::format("\"{}\" is not a number: it has a decimal comma",
+                        escape_for_message(written)),
+            fmt::format("Write it with a decimal point: {}.{}", number.scalar(), decimals));
     }
 
-    [[noreturn]] void refuse_key(const YamlNode& key, const std::string& path,
-                                 const std::vector<std::string_view>& known) const {
+    [[noreturn]] static void refuse_key(const YamlValue& map, const YamlNode& key,
+                                        const std::string& path,
+                                        const std::vector<std::string_view>& known) {
         const std::string remedy =
             known.empty() ? "Remove it"
                           : fmt::format("Did you mean \"{}\"? Known keys here: {}",
                                         nearest(key.scalar(), known), fmt::join(known, ", "));
-        throw Failure(yaml_place(document_.where(), key),
+        throw Failure(yaml_place(map.where(), key),
                       fmt::format("unknown key \"{}\"{}", escape_for_message(key.scalar()),
                                   path.empty() ? "" : " in " + path),
                       remedy);
     }
 
-    void value(const YamlNode& node, const Step& step, const std::string& path) const {
+    void value(const YamlValue& value, const std::string& path) const {
         const FieldRule& rule = *schema_.find(path);
-        if (node.is_null() || rule.apart || has_type(rule, "any")) return;
-        if (node.is_map() && has_type(rule, "map")) return map(node, step, path);
-        if (node.is_list() && has_type(rule, "list")) return list(node, step, path);
-        if (node.is_map() || node.is_list())
-            at(node, step)
-                .fail(fmt::format("is a {}, not {}", node.is_map() ? "map" : "list",
-                                  fmt::join(rule.types, " or ")),
-                      "See the field table of the schema");
-        if (!is_sound(rule, node)) check_scalar(rule, at(node, step));
+        if (!value.exists() || rule.apart || has_type(rule, "any")) return;
+        if (value.is_map() && has_type(rule, "map")) return map(value, path);
+        if (value.is_list() && has_type(rule, "list")) return list(value, path);
+        if (value.is_map() || value.is_list())
+            value.fail(fmt::format("is a {}, not {}", value.is_map() ? "map" : "list",
+                                   fmt::join(rule.types, " or ")),
+                       "See the field table of the schema");
+        check_scalar(rule, value);
     }
 
-    void list(const YamlNode& node, const Step& step, const std::string& path) const {
+    void list(const YamlValue& list, const std::string& path) const {
         const std::string item_path = path + "[]";
         const FieldRule* rule = schema_.find(item_path);
         if (rule && rule->apart) return;
-        for (std::size_t i = 0; i < node.size(); ++i) {
-            const Step below{.above = &step, .key = {}, .index = i};
-            if (node.item(i).is_null())
-                at(node.item(i), below).fail("is empty", "Give it a value, or remove it");
-            if (rule) value(node.item(i), below, item_path);
+        for (const YamlValue& item : list.list()) {
+            if (!item.exists()) item.fail("is empty", "Give it a value, or remove it");
+            if (rule) value(item, item_path);
         }
     }
 
     const DocumentSchema& schema_;
-    const YamlValue& document_;
     Completeness completeness_;
 };
 
@@ -340,14 +303,14 @@ void DocumentSchema::validate(const YamlValue& document, Completeness completene
     if (!document.is_map())
         document.fail("the document is not a map of keys and values",
                       fmt::format("See the field table of {}/{}", name_, version_));
-    Validation(*this, document, completeness).map(document.node(), Step{}, "");
+    Validation(*this, completeness).map(document, "");
     check_rules(document, completeness);
 }
 
 void DocumentSchema::validate_part(const YamlValue& map, const std::string& path) const {
     if (!map.exists()) map.fail("is empty", "Give it a value, or remove it");
     if (!map.is_map()) map.fail("is not a map", "Write {key: value}; see the field table");
-    Validation(*this, map, Completeness::whole).map(map.node(), Step{}, path);
+    Validation(*this, Completeness::whole).map(map, path);
 }
 
 std::string DocumentSchema::field_table() const {

@@ -94,7 +94,6 @@ class DocumentSchema {
     std::string field_table() const;
 
   private:
-    struct Step;
     class Validation;
     void add(FieldRule rule);
     void check_rules(const YamlValue& document, Completeness completeness) const;

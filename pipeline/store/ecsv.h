@@ -60,7 +60,7 @@ class EcsvWriter {
   private:
     const EcsvColumn& begin_cell();
     void put(std::string_view text);
-    void quoted(std::string_view value);
+    void scaled(std::int64_t value, int decimals);
     void flush();
 
     std::vector<EcsvColumn> columns_;
@@ -116,6 +116,8 @@ class EcsvReader {
     void split(std::string_view line);
     std::size_t split_quoted(std::string_view line, std::size_t at, std::string& text);
     const Cell& present(std::size_t column) const;
+    template <class Parse>
+    auto parsed(std::size_t column, Parse parse, std::string_view meaning) const;
     [[noreturn]] void fail_at(std::size_t line, std::size_t position, const std::string& what,
                               const std::string& remedy) const;
 

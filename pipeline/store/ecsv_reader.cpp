@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
-#include <cmath>
+#include <algorithm>
+#include <array>
 #include <set>
 #include <span>
 #include <utility>
@@ -13,9 +14,6 @@
 
 namespace runcert {
 namespace {
-
-constexpr std::string_view remade =
-    "The file is not as the program writes it; take the original, or run the stage again";
 
 bool holds_ordered_map(const YamlNode& node) {
     if (node.is_ordered_map()) return true;
@@ -41,7 +39,7 @@ void copy_plain(const YamlNode& node, const std::string& where, YamlBuilder& out
         const YamlNode item = node.item(i);
         if (!item.is_map() || item.size() != 1 || !keys.insert(item.key(0).scalar()).second)
             throw Failure(yaml_place(where, item),
-                          "an !!omap entry is not one new key and its value", std::string(remade));
+                          "an !!omap entry is not one new key and its value", take_the_original);
         out.copy(item.key(0));
         copy_plain(item.value(0), where, out);
     }
@@ -88,7 +86,7 @@ std::optional<std::string_view> EcsvReader::next_line() {
     ++line_;
     if (end == std::string_view::npos)
         fail_at(line_, text_.size() - offset_ + 1, "the last line has no end: the file is cut off",
-                std::string(remade));
+                take_the_original);
     std::string_view line = text_.substr(offset_, end - offset_);
     offset_ = end + 1;
     if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
@@ -96,7 +94,7 @@ std::optional<std::string_view> EcsvReader::next_line() {
 }
 
 void EcsvReader::read_header() {
-    if (text_.empty()) throw Failure(where_, "the file is empty", std::string(remade));
+    if (text_.empty()) throw Failure(where_, "the file is empty", take_the_original);
     const auto first = next_line();
     if (*first != "# %ECSV 1.0")
         fail_at(1, 1,
@@ -110,20 +108,20 @@ void EcsvReader::read_header() {
             continue;
         }
         if (!line->starts_with("# "))
-            fail_at(line_, 2, "a header line must begin with \"# \"", std::string(remade));
+            fail_at(line_, 2, "a header line must begin with \"# \"", take_the_original);
         if (!is_printable_ascii(*line))
             fail_at(line_, 1, "a header line holds bytes that are not printable ASCII",
-                    std::string(remade));
+                    take_the_original);
         yaml += yaml_line(line->substr(2));
     }
     if (!line)
         fail_at(line_, 1, "the header is not followed by the line of column names",
-                std::string(remade));
+                take_the_original);
     // The YAML text starts on line 2 of the file: keep its line numbers.
     const YamlNode header = parse_yaml("\n" + yaml, where_);
     const YamlNode datatype = header["datatype"];
     if (!datatype.is_list())
-        fail_at(2, 1, "the header has no list \"datatype\"", std::string(remade));
+        fail_at(2, 1, "the header has no list \"datatype\"", take_the_original);
     const YamlNode delimiter = header["delimiter"];
     if (delimiter.scalar() != ",")
         throw Failure(delimiter.is_defined() ? yaml_place(where_, delimiter) : where_ + ":2:1",
@@ -132,7 +130,7 @@ void EcsvReader::read_header() {
         const std::string key(header.key(i).scalar());
         if (key != "datatype" && key != "delimiter" && key != "meta" && key != "schema")
             throw Failure(yaml_place(where_, header.key(i)), "unknown header key \"" + key + "\"",
-                          std::string(remade));
+                          take_the_original);
     }
     columns_.reserve(datatype.size());
     for (std::size_t i = 0; i < datatype.size(); ++i)
@@ -145,50 +143,44 @@ void EcsvReader::read_column(const YamlNode& node, std::size_t index) {
     const auto scalar = [&](const char* key) { return std::string(node[key].scalar()); };
     if (!node.is_map() || scalar("name").empty())
         throw Failure(yaml_place(where_, node), fmt::format("column {} has no name", index + 1),
-                      std::string(remade));
+                      take_the_original);
     for (std::size_t i = 0; i < node.size(); ++i) {
-        static const std::set<std::string, std::less<>> known{"name",   "unit",        "datatype",
-                                                              "format", "description", "meta"};
-        if (!known.contains(node.key(i).scalar()))
+        static const std::set<std::string_view> keys{"name",   "unit",        "datatype",
+                                                     "format", "description", "meta"};
+        if (!keys.contains(node.key(i).scalar()))
             throw Failure(yaml_place(where_, node.key(i)),
                           "unknown column key \"" + std::string(node.key(i).scalar()) + "\"",
-                          std::string(remade));
+                          take_the_original);
     }
     EcsvColumn column;
     column.name = scalar("name");
     column.unit = scalar("unit");
     column.description = scalar("description");
     const std::string type = scalar("datatype");
-    bool known_type = false;
-    for (const CellType candidate :
-         {CellType::boolean, CellType::integer, CellType::real, CellType::text})
-        if (type == ecsv_name(candidate)) {
-            column.type = candidate;
-            known_type = true;
-        }
-    if (!known_type)
+    static constexpr std::array types{CellType::boolean, CellType::integer, CellType::real,
+                                      CellType::text};
+    const auto known = std::ranges::find(types, type, ecsv_name);
+    if (known == types.end())
         throw Failure(yaml_place(where_, node),
                       fmt::format("column \"{}\" has the type \"{}\"", column.name, type),
                       "Only bool, int64, float64 and string are read");
+    column.type = *known;
     const std::string format = scalar("format");
     if (format.starts_with("%.") && format.ends_with("f"))
         column.decimals = static_cast<int>(
             parse_integer(std::string_view(format).substr(2, format.size() - 3)).value_or(0));
-    for (const EcsvColumn& other : columns_)
-        if (other.name == column.name)
-            throw Failure(yaml_place(where_, node), "two columns are named \"" + column.name + "\"",
-                          std::string(remade));
+    if (std::ranges::count(columns_, column.name, &EcsvColumn::name) > 0)
+        throw Failure(yaml_place(where_, node), "two columns are named \"" + column.name + "\"",
+                      take_the_original);
     columns_.push_back(std::move(column));
 }
 
 void EcsvReader::check_names(std::string_view line) {
     split(line);
-    bool equal = cell_count_ == columns_.size();
-    for (std::size_t i = 0; equal && i < cell_count_; ++i)
-        equal = cells_[i].text == columns_[i].name;
-    if (!equal)
+    if (!std::ranges::equal(std::span(cells_).first(cell_count_), columns_, {}, &Cell::text,
+                            &EcsvColumn::name))
         fail_at(line_, 1, "the line of column names does not equal the header's list of columns",
-                std::string(remade));
+                take_the_original);
 }
 
 std::size_t EcsvReader::split_quoted(std::string_view line, std::size_t at, std::string& text) {
@@ -201,11 +193,11 @@ std::size_t EcsvReader::split_quoted(std::string_view line, std::size_t at, std:
             ++at;
         } else {
             if (at + 1 < line.size() && line[at + 1] != ',')
-                fail_at(line_, at + 2, "text after a closing quote", std::string(remade));
+                fail_at(line_, at + 2, "text after a closing quote", take_the_original);
             return at + 1;
         }
     }
-    fail_at(line_, opened + 1, "a quote is not closed on its line", std::string(remade));
+    fail_at(line_, opened + 1, "a quote is not closed on its line", take_the_original);
 }
 
 void EcsvReader::split(std::string_view line) {
@@ -225,7 +217,7 @@ void EcsvReader::split(std::string_view line) {
             const std::size_t quote = cell.text.find('"');
             if (quote != std::string_view::npos)
                 fail_at(line_, at + quote + 1, "a quote inside a cell that is not quoted",
-                        std::string(remade));
+                        take_the_original);
             at = end;
         }
         if (at >= line.size()) return;
@@ -270,66 +262,58 @@ bool EcsvReader::split_any_row() {
     const auto line = next_line();
     if (!line) return false;
     // Other readers pass over both.
-    if (line->empty()) fail_at(line_, 1, "the line is empty", std::string(remade));
-    if (line->starts_with('#')) fail_at(line_, 1, "a comment among the rows", std::string(remade));
+    if (line->empty()) fail_at(line_, 1, "the line is empty", take_the_original);
+    if (line->starts_with('#')) fail_at(line_, 1, "a comment among the rows", take_the_original);
     split(*line);
     if (cell_count_ != columns_.size())
         fail_at(line_, 1,
                 fmt::format("the row has {} cells, the header has {} columns", cell_count_,
                             columns_.size()),
-                std::string(remade));
+                take_the_original);
     for (const Cell& cell : std::span(cells_).first(cell_count_)) {
         if (!is_printable_ascii(cell.text))
             fail_at(line_, cell.position, "a cell holds bytes that are not printable ASCII",
-                    std::string(remade));
+                    take_the_original);
         if (cell.text.starts_with(' ') || cell.text.ends_with(' '))
-            fail_at(line_, cell.position, "a cell begins or ends with a blank",
-                    std::string(remade));
+            fail_at(line_, cell.position, "a cell begins or ends with a blank", take_the_original);
     }
     return true;
 }
 
 const EcsvReader::Cell& EcsvReader::present(std::size_t column) const {
     if (cells_[column].text.empty())
-        fail(column, "the cell is empty but must not be", std::string(remade));
+        fail(column, "the cell is empty but must not be", take_the_original);
     return cells_[column];
 }
 
-bool EcsvReader::boolean(std::size_t column) const {
+template <class Parse>
+auto EcsvReader::parsed(std::size_t column, Parse parse, std::string_view meaning) const {
     const std::string_view cell = present(column).text;
-    if (cell != "True" && cell != "False")
-        fail(column, fmt::format("\"{}\" is neither True nor False", escape_for_message(cell)),
-             std::string(remade));
-    return cell == "True";
+    const auto value = parse(cell);
+    if (!value)
+        fail(column, fmt::format("\"{}\" is {}", escape_for_message(cell), meaning),
+             take_the_original);
+    return *value;
+}
+
+bool EcsvReader::boolean(std::size_t column) const {
+    const auto parse = [](std::string_view cell) {
+        return cell == "True" || cell == "False" ? std::optional(cell == "True") : std::nullopt;
+    };
+    return parsed(column, parse, "neither True nor False");
 }
 
 std::int64_t EcsvReader::integer(std::size_t column) const {
-    const auto value = parse_integer(present(column).text);
-    if (!value)
-        fail(column,
-             fmt::format("\"{}\" is not a whole number", escape_for_message(cells_[column].text)),
-             std::string(remade));
-    return *value;
+    return parsed(column, parse_integer, "not a whole number");
 }
 
 double EcsvReader::real(std::size_t column) const {
-    const auto value = parse_double(present(column).text);
-    if (!value)
-        fail(column,
-             fmt::format("\"{}\" is not a finite number", escape_for_message(cells_[column].text)),
-             std::string(remade));
-    return *value;
+    return parsed(column, parse_double, "not a finite number");
 }
 
 std::int64_t EcsvReader::seconds(std::size_t column) const {
-    const std::string_view cell = present(column).text;
-    const auto value = parse_decimal_nanoseconds(cell);
-    if (!value)
-        fail(column,
-             fmt::format("\"{}\" is not a time in seconds with at most nine decimals",
-                         escape_for_message(cell)),
-             std::string(remade));
-    return *value;
+    return parsed(column, parse_decimal_nanoseconds,
+                  "not a time in seconds with at most nine decimals");
 }
 
 }  // namespace runcert

@@ -38,10 +38,6 @@ nlohmann::ordered_json column_entry(const EcsvColumn& column) {
     return entry;
 }
 
-bool needs_quotes(std::string_view text) {
-    return text.find_first_of(",\"#") != std::string_view::npos;
-}
-
 /// Whether a text can stand in a cell, and as it is.
 bool is_plain(std::string_view text) {
     bool plain = !text.empty();
@@ -112,14 +108,27 @@ void EcsvWriter::boolean(bool value) {
     put(value ? "True" : "False");
 }
 
-void EcsvWriter::integer(std::int64_t value) {
+/// A whole number of the last of so many decimals.
+void EcsvWriter::scaled(std::int64_t value, int decimals) {
     begin_cell();
     const bool negative = value < 0;
     const auto magnitude =
         negative ? 0 - static_cast<std::uint64_t>(value) : static_cast<std::uint64_t>(value);
-    if (magnitude >= fixed_text_limit) return put(fmt::format("{}", value));
+    if (magnitude >= fixed_text_limit) {
+        std::string digits = std::to_string(magnitude);
+        if (decimals > 0) digits.insert(digits.size() - static_cast<std::size_t>(decimals), ".");
+        return put((negative ? "-" : "") + digits);
+    }
     char* const at = buffer_.data() + used_;
-    used_ += static_cast<std::size_t>(write_scaled(at, magnitude, 0, negative) - at);
+    used_ += static_cast<std::size_t>(write_scaled(at, magnitude, decimals, negative) - at);
+}
+
+void EcsvWriter::integer(std::int64_t value) {
+    scaled(value, 0);
+}
+
+void EcsvWriter::seconds(std::int64_t nanoseconds) {
+    scaled(nanoseconds, 9);
 }
 
 void EcsvWriter::real(double value) {
@@ -136,19 +145,6 @@ void EcsvWriter::real(double value) {
     put(format_fixed(value, column.decimals));
 }
 
-void EcsvWriter::seconds(std::int64_t nanoseconds) {
-    begin_cell();
-    const bool negative = nanoseconds < 0;
-    const auto magnitude = negative ? 0 - static_cast<std::uint64_t>(nanoseconds)
-                                    : static_cast<std::uint64_t>(nanoseconds);
-    constexpr std::uint64_t per_second = 1'000'000'000;
-    if (magnitude >= fixed_text_limit)
-        return put(fmt::format("{}{}.{:09}", negative ? "-" : "", magnitude / per_second,
-                               magnitude % per_second));
-    char* const at = buffer_.data() + used_;
-    used_ += static_cast<std::size_t>(write_scaled(at, magnitude, 9, negative) - at);
-}
-
 void EcsvWriter::text(std::string_view value) {
     const EcsvColumn& column = begin_cell();
     if (is_plain(value)) return put(value);
@@ -156,19 +152,10 @@ void EcsvWriter::text(std::string_view value) {
         throw Failure("column " + column.name,
                       "the text \"" + escape_for_message(value) + "\" cannot be a table cell",
                       "Use printable ASCII characters, without blanks at the ends");
-    if (needs_quotes(value))
-        quoted(value);
-    else
-        put(value);
-}
-
-void EcsvWriter::quoted(std::string_view value) {
-    std::string cell = "\"";
-    for (const char c : value) {
-        if (c == '"') cell += '"';
-        cell += c;
-    }
-    put(cell + '"');
+    if (value.find_first_of(",\"#") == std::string_view::npos) return put(value);
+    std::string quoted(value);
+    replace_all(quoted, "\"", "\"\"");
+    put('"' + quoted + '"');
 }
 
 void EcsvWriter::missing() {

@@ -24,28 +24,14 @@ std::string literal(std::string_view text) {
     return quoted.empty() ? "\"\"" : quoted;
 }
 
-std::string kind_name(YamlKind kind) {
-    switch (kind) {
-        case YamlKind::null:
-            return "null";
-        case YamlKind::scalar:
-            return "scalar";
-        case YamlKind::list:
-            return "list";
-        case YamlKind::map:
-            return "map";
-    }
-    return {};
-}
-
 std::string source_of(const YamlNode& root, const std::string& function) {
     YamlBuilder builder;
     builder.copy(root);
     std::string entries;
     for (const YamlEntry& entry : builder.entries())
-        entries += fmt::format("    {{{{{}, {}}}, {}, {}, YamlKind::{}, {}, {}}},\n",
+        entries += fmt::format("    {{{{{}, {}}}, {}, {}, YamlKind{{{}}}, {}, {}}},\n",
                                entry.mark.line, entry.mark.column, entry.begin, entry.count,
-                               kind_name(entry.kind), entry.is_quoted, entry.is_ordered_map);
+                               static_cast<int>(entry.kind), entry.is_quoted, entry.is_ordered_map);
     return fmt::format(
         "#include \"store/yaml_node.h\"\n"
         "namespace runcert {{\n"

@@ -59,11 +59,6 @@ std::string remedy_for(int error) {
     fail_of_system(path, "cannot open this folder", error);
 }
 
-/// The folder's contents, opened to be read.
-FileDescriptor opened_to_read(int folder) {
-    return FileDescriptor(openat(folder, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-}
-
 }  // namespace
 
 void fail_of_system(const fs::path& path, const std::string& attempted, int error) {
@@ -116,12 +111,7 @@ std::string Folder::read(const std::string& name) const {
         openat(number(), name.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
     if (!file.is_open()) fail_of_system(path_ / name, "cannot open this file", errno);
     std::string bytes;
-    std::string piece(std::size_t{1} << 16, '\0');
-    while (const ssize_t count = ::read(file.number(), piece.data(), piece.size())) {
-        if (count < 0 && errno != EINTR)
-            fail_of_system(path_ / name, "cannot read this file", errno);
-        if (count > 0) bytes.append(piece, 0, static_cast<std::size_t>(count));
-    }
+    read_pieces(file, path_ / name, [&](std::string_view piece) { bytes.append(piece); });
     return bytes;
 }
 
@@ -177,7 +167,7 @@ void Folder::place(const std::string& name, const Folder& to) const {
 
 void Folder::sync() const {
     // Some network file systems cannot sync a folder: there it is as safe as that place allows.
-    const FileDescriptor opened = opened_to_read(number());
+    const FileDescriptor opened(openat(number(), ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC));
     if (opened.is_open() && fsync(opened.number()) != 0 && errno != EINVAL && errno != ENOTSUP)
         fail_of_system(path_, "this folder cannot be written to the disk", errno);
 }

@@ -16,18 +16,13 @@
 #include <cstring>
 #include <mutex>
 #include <thread>
-#include <utility>
 #include <vector>
 
 #include "core/failure.h"
 #include "core/text.h"
-#include "store/atomic_file.h"
-#include "store/folder.h"
 
 namespace runcert {
 namespace {
-
-namespace fs = std::filesystem;
 
 // A line of the file is one of these two words, of one length, and the words of Attempt::holder.
 constexpr std::string_view held = "held by ";
@@ -117,31 +112,26 @@ bool have_died(const std::string& text) {
                        : "Check that the folder is there and that you may write in it");
 }
 
-int open_lock_file(const Folder& folder, const std::string& name) {
+FileDescriptor open_lock_file(const Folder& folder, const std::string& name) {
     if (folder.kind_of(name) == EntryKind::link)
         throw Failure((folder.path() / name).string(),
                       "this is a symbolic link, and nothing is locked through one",
                       "Remove the link");
-    const int file = openat(folder.number(), name.c_str(),
-                            O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW, 0666);
-    if (file < 0) refuse((folder.path() / name).string(), errno);
+    FileDescriptor file(openat(folder.number(), name.c_str(),
+                               O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW, 0666));
+    if (!file.is_open()) refuse((folder.path() / name).string(), errno);
     return file;
 }
 
 }  // namespace
-
-FolderLock::Attempt FolderLock::try_lock(const fs::path& file, LockKind kind) {
-    make_directory(folder_of(file));
-    return try_lock(Folder(folder_of(file)), file.filename().string(), kind);
-}
 
 FolderLock::Attempt FolderLock::try_lock(const Folder& folder, const std::string& name,
                                          LockKind kind) {
     const int operation = kind == LockKind::exclusive ? LOCK_EX : LOCK_SH;
     const auto last_try = std::chrono::steady_clock::now() + longest_inheritance;
     while (true) {
-        const int number = open_lock_file(folder, name);
-        FolderLock lock(number);
+        FolderLock lock(open_lock_file(folder, name));
+        const int number = lock.file_.number();
         if (flock(number, operation | LOCK_NB) != 0) {
             const int error = errno;
             if (error == EINTR) continue;
@@ -157,13 +147,6 @@ FolderLock::Attempt FolderLock::try_lock(const Folder& folder, const std::string
         lock.sign(kind);
         return {.lock = std::move(lock), .holder = {}};
     }
-}
-
-std::optional<FolderLock> FolderLock::wait_lock(
-    const fs::path& file, LockKind kind, const std::stop_token& stop,
-    const std::function<void(const std::string& holder)>& waits) {
-    make_directory(folder_of(file));
-    return wait_lock(Folder(folder_of(file)), file.filename().string(), kind, stop, waits);
 }
 
 std::optional<FolderLock> FolderLock::wait_lock(
@@ -186,32 +169,26 @@ std::optional<FolderLock> FolderLock::wait_lock(
 /// it: the text is for people.
 void FolderLock::sign(LockKind kind) {
     if (kind == LockKind::exclusive) {
-        const std::vector<std::string> before = entries(text_of(file_));
+        const std::vector<std::string> before = entries(text_of(file_.number()));
         if (!before.empty()) left_by_ = before.front();
-        if (ftruncate(file_, 0) != 0) return;
+        if (ftruncate(file_.number(), 0) != 0) return;
     }
     const std::string line = std::string(held) + this_process() + "\n";
     // The file is open for appending, which is one step: those who share do not overwrite each
     // other.
-    const ssize_t written = ::write(file_, line.data(), line.size());
+    const ssize_t written = ::write(file_.number(), line.data(), line.size());
     if (written == static_cast<ssize_t>(line.size()))
-        entry_ = lseek(file_, 0, SEEK_CUR) - static_cast<long>(line.size());
+        entry_ = lseek(file_.number(), 0, SEEK_CUR) - static_cast<long>(line.size());
 }
 
-FolderLock::FolderLock(FolderLock&& other) noexcept
-    : file_(std::exchange(other.file_, -1)),
-      entry_(other.entry_),
-      left_by_(std::move(other.left_by_)) {}
-
 FolderLock::~FolderLock() {
-    if (file_ < 0) return;
-    if (entry_ >= 0 && fcntl(file_, F_SETFL, 0) == 0) {
+    if (!file_.is_open()) return;
+    if (entry_ >= 0 && fcntl(file_.number(), F_SETFL, 0) == 0) {
         [[maybe_unused]] const ssize_t written =
-            pwrite(file_, free_again.data(), free_again.size(), entry_);
+            pwrite(file_.number(), free_again.data(), free_again.size(), entry_);
     }
     // Closing alone would wait for a program that another thread is just starting.
-    flock(file_, LOCK_UN);
-    close(file_);
+    flock(file_.number(), LOCK_UN);
 }
 
 }  // namespace runcert

@@ -1,14 +1,13 @@
 #pragma once
 
-#include <filesystem>
 #include <functional>
 #include <optional>
 #include <stop_token>
 #include <string>
 
-namespace runcert {
+#include "store/folder.h"
 
-class Folder;
+namespace runcert {
 
 /// Alone, or with others that share.
 enum class LockKind { exclusive, shared };
@@ -24,37 +23,30 @@ class FolderLock {
   public:
     struct Attempt;
 
-    /// Takes the lock at once, or says who has it; where all who had it have died, waits up to a
-    /// second for what they were just starting. The file and its folder are made where they are
-    /// missing. Failure where the file cannot be made, and where the file system has no locks.
-    static Attempt try_lock(const std::filesystem::path& file, LockKind kind);
-    /// The same of a file in an open folder (store/folder.h). Failure too where it is a link.
+    /// Takes the lock, a file in an open folder, at once, or says who has it; where all who had it
+    /// have died, waits up to a second for what they were just starting. The file is made where it
+    /// is missing. Failure where it cannot be made or is a link, and where the file system has no
+    /// locks.
     static Attempt try_lock(const Folder& folder, const std::string& name, LockKind kind);
 
     /// Waits until the lock is free and takes it; nothing where a stop is requested first. `waits`
     /// is told who has it, once, when there is something to wait for. Failures as for try_lock.
     static std::optional<FolderLock> wait_lock(
-        const std::filesystem::path& file, LockKind kind, const std::stop_token& stop,
-        const std::function<void(const std::string& holder)>& waits = {});
-    static std::optional<FolderLock> wait_lock(
         const Folder& folder, const std::string& name, LockKind kind, const std::stop_token& stop,
         const std::function<void(const std::string& holder)>& waits = {});
 
     ~FolderLock();
-    FolderLock(FolderLock&& other) noexcept;
-    FolderLock& operator=(FolderLock&&) = delete;
-    FolderLock(const FolderLock&) = delete;
-    FolderLock& operator=(const FolderLock&) = delete;
+    FolderLock(FolderLock&& other) noexcept = default;
 
     /// Of an exclusive lock: who held it before and died without releasing it, in the words of
     /// Attempt::holder; empty where nobody did.
     const std::string& left_by() const { return left_by_; }
 
   private:
-    explicit FolderLock(int file) : file_(file) {}
+    explicit FolderLock(FileDescriptor file) : file_(std::move(file)) {}
     void sign(LockKind kind);
 
-    int file_ = -1;
+    FileDescriptor file_;
     long entry_ = -1;  ///< where its own line begins in the file
     std::string left_by_;
 };

@@ -56,7 +56,7 @@ class KeyRule {
 
     void check() const {
         for (const std::string& key : rule_["when"].keys())
-            if (!holds(key, rule_["when"][key])) return;
+            if (!holds(key, texts_of(rule_["when"][key]))) return;
         for (const std::string& key : rule_["must"].keys())
             require(key, texts_of(rule_["must"][key]));
         require_number_of("together", "belong together", "Give all of them, or none",
@@ -91,9 +91,6 @@ class KeyRule {
         return value.node().is_scalar() ? value.text() : "";
     }
 
-    bool holds(std::string_view key, const YamlValue& wanted) const {
-        return holds(key, texts_of(wanted));
-    }
     bool holds(std::string_view key, const std::vector<std::string>& wanted) const {
         return std::ranges::any_of(wanted, [&](const std::string& one) {
             return one == "given"    ? at(key).exists()

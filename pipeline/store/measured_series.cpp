@@ -15,6 +15,7 @@
 #include "core/failure.h"
 #include "core/speed_unit.h"
 #include "core/text.h"
+#include "store/yaml_node.h"
 
 namespace runcert {
 namespace {
@@ -133,8 +134,7 @@ struct SeriesCell {
 
 /// The lines that are neither empty nor begin with #, whole, without blanks at the end.
 std::vector<SeriesCell> lines_of(std::string_view text, const std::string& where) {
-    constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
-    if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
+    if (text.starts_with(utf8_mark)) text.remove_prefix(utf8_mark.size());
     std::vector<SeriesCell> lines;
     for (std::size_t number = 1; !text.empty(); ++number) {
         const std::size_t end = std::min(text.find('\n'), text.size());

@@ -1,110 +1,53 @@
 #include "store/utc_second.h"
 
-#include <fmt/format.h>
+#include <fmt/chrono.h>
+#include <time.h>
 
 #include <algorithm>
-#include <ctime>
+
+#include "core/text.h"
 
 namespace runcert {
 namespace {
 
-namespace chrono = std::chrono;
-
-struct DateAndTime {
-    int year = 0;
-    int month = 0;
-    int day = 0;
-    int hour = 0;
-    int minute = 0;
-    int second = 0;
-};
-
-DateAndTime parts_of(UtcSecond time) {
-    const auto day = chrono::floor<chrono::days>(time);
-    const chrono::year_month_day date(day);
-    const chrono::hh_mm_ss clock(time - day);
-    return {static_cast<int>(date.year()),
-            static_cast<int>(static_cast<unsigned>(date.month())),
-            static_cast<int>(static_cast<unsigned>(date.day())),
-            static_cast<int>(clock.hours().count()),
-            static_cast<int>(clock.minutes().count()),
-            static_cast<int>(clock.seconds().count())};
-}
-
-std::optional<UtcSecond> instant_of(const DateAndTime& parts) {
-    const chrono::year_month_day date{chrono::year(parts.year),
-                                      chrono::month(static_cast<unsigned>(parts.month)),
-                                      chrono::day(static_cast<unsigned>(parts.day))};
-    if (!date.ok() || parts.hour > 23 || parts.minute > 59 || parts.second > 59)
+/// The instant that 14 digits write, YYYYMMDDHHMMSS, in UTC or where this computer is.
+std::optional<UtcSecond> instant_of(const std::string& digits, bool utc) {
+    std::tm parts{};
+    if (digits.size() != 14 || !std::ranges::all_of(digits, is_digit) ||
+        strptime(digits.c_str(), "%Y%m%d%H%M%S", &parts) != digits.c_str() + digits.size())
         return std::nullopt;
-    return chrono::sys_days(date) + chrono::hours(parts.hour) + chrono::minutes(parts.minute) +
-           chrono::seconds(parts.second);
-}
-
-/// The same calendar time where this computer is.
-std::optional<UtcSecond> local_instant_of(const DateAndTime& parts) {
-    if (!instant_of(parts)) return std::nullopt;
-    std::tm local{};
-    local.tm_year = parts.year - 1900;
-    local.tm_mon = parts.month - 1;
-    local.tm_mday = parts.day;
-    local.tm_hour = parts.hour;
-    local.tm_min = parts.minute;
-    local.tm_sec = parts.second;
-    local.tm_isdst = -1;
-    const std::time_t seconds = std::mktime(&local);
-    if (seconds == -1) return std::nullopt;
-    return UtcSecond(chrono::seconds(seconds));
-}
-
-/// The number that digits write; the caller has checked that they are digits.
-int number_at(std::string_view text, std::size_t at, std::size_t count) {
-    int number = 0;
-    for (const char digit : text.substr(at, count))
-        number = number * 10 + (digit - '0');
-    return number;
-}
-
-bool are_digits(std::string_view text) {
-    return std::ranges::all_of(text, [](char c) { return c >= '0' && c <= '9'; });
-}
-
-DateAndTime compact_parts(std::string_view digits) {
-    DateAndTime parts{.year = number_at(digits, 0, 4),
-                      .month = number_at(digits, 4, 2),
-                      .day = number_at(digits, 6, 2)};
-    if (digits.size() >= 12) {
-        parts.hour = number_at(digits, 8, 2);
-        parts.minute = number_at(digits, 10, 2);
+    const std::tm written = parts;
+    std::time_t seconds = timegm(&parts);
+    // A day or second that there is none of becomes another.
+    if (parts.tm_mday != written.tm_mday || parts.tm_sec != written.tm_sec) return std::nullopt;
+    if (!utc) {
+        parts = written;
+        parts.tm_isdst = -1;
+        seconds = mktime(&parts);
+        if (seconds == -1) return std::nullopt;
     }
-    if (digits.size() >= 14) parts.second = number_at(digits, 12, 2);
-    return parts;
+    return UtcSecond(std::chrono::seconds(seconds));
 }
 
 }  // namespace
 
 std::string iso_text(UtcSecond time) {
-    const DateAndTime p = parts_of(time);
-    return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}Z", p.year, p.month, p.day, p.hour,
-                       p.minute, p.second);
+    return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", time);
 }
 
 std::string compact_text(UtcSecond time) {
-    const DateAndTime p = parts_of(time);
-    return fmt::format("{:04}{:02}{:02}{:02}{:02}{:02}Z", p.year, p.month, p.day, p.hour, p.minute,
-                       p.second);
+    return fmt::format("{:%Y%m%d%H%M%SZ}", time);
 }
 
 std::optional<UtcSecond> parse_iso_utc(std::string_view text) {
     constexpr std::string_view form = "dddd-dd-ddTdd:dd:ddZ";
-    if (text.size() != form.size()) return std::nullopt;
     std::string digits;
-    for (std::size_t i = 0; i < form.size(); ++i) {
-        if (form[i] == 'd' ? !are_digits(text.substr(i, 1)) : text[i] != form[i])
+    for (std::size_t i = 0; i < std::min(text.size(), form.size()); ++i)
+        if (form[i] == 'd')
+            digits += text[i];
+        else if (text[i] != form[i])
             return std::nullopt;
-        if (form[i] == 'd') digits += text[i];
-    }
-    return instant_of(compact_parts(digits));
+    return text.size() == form.size() ? instant_of(digits, true) : std::nullopt;
 }
 
 std::optional<UtcSecond> parse_ssh_time(std::string_view text) {
@@ -114,10 +57,8 @@ std::optional<UtcSecond> parse_ssh_time(std::string_view text) {
             text.remove_suffix(suffix.size());
             utc = true;
         }
-    if ((text.size() != 8 && text.size() != 12 && text.size() != 14) || !are_digits(text))
-        return std::nullopt;
-    const DateAndTime parts = compact_parts(text);
-    const auto instant = utc ? instant_of(parts) : local_instant_of(parts);
+    if (text.size() != 8 && text.size() != 12 && text.size() != 14) return std::nullopt;
+    const auto instant = instant_of(std::string(text).append(14 - text.size(), '0'), utc);
     if (!instant || instant->time_since_epoch().count() <= 0) return std::nullopt;
     return instant;
 }

@@ -16,6 +16,10 @@ namespace runcert {
 /// astropy's !!omap), control characters, nesting deeper than 32, more than one document.
 YamlNode parse_yaml(std::string_view text, const std::string& where);
 
+/// What to do where a file that the program wrote is another than it writes.
+inline constexpr const char* take_the_original =
+    "The file is not as the program writes it; take the original, or run the stage again";
+
 /// "file:line:column" of a node, for messages; "file" where the node has no place.
 std::string yaml_place(const std::string& where, const YamlNode& node);
 

@@ -103,13 +103,14 @@ std::optional<YamlKey> YamlBuilder::end() {
     return repeated;
 }
 
-void YamlBuilder::copy(const YamlNode& node) {
-    if (node.is_null()) return null(node.mark());
-    if (node.is_scalar()) return scalar(node.scalar(), node.is_quoted(), node.mark());
-    begin(node.kind(), node.mark(), node.is_ordered_map());
+void YamlBuilder::copy(const YamlNode& node, std::optional<YamlMark> place) {
+    const YamlMark mark = place.value_or(node.mark());
+    if (node.is_null()) return null(mark);
+    if (node.is_scalar()) return scalar(node.scalar(), node.is_quoted(), mark);
+    begin(node.kind(), mark, node.is_ordered_map());
     for (std::size_t i = 0; i < node.size(); ++i) {
-        if (node.is_map()) copy(node.key(i));
-        copy(node.is_map() ? node.value(i) : node.item(i));
+        if (node.is_map()) copy(node.key(i), place);
+        copy(node.is_map() ? node.value(i) : node.item(i), place);
     }
     end();
 }

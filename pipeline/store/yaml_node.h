@@ -11,6 +11,9 @@
 
 namespace runcert {
 
+/// What some programs write in front of UTF-8 text.
+inline constexpr std::string_view utf8_mark = "\xef\xbb\xbf";
+
 enum class YamlKind : std::uint8_t { null, scalar, list, map };
 
 /// Where a node begins: line and column of its first byte, from 0; -1 for a node without a place.
@@ -95,8 +98,8 @@ class YamlBuilder {
     void begin(YamlKind list_or_map, YamlMark mark, bool is_ordered_map = false);
     /// Ends the list or map begun last. Where it is a map that holds two equal keys, the second.
     std::optional<YamlKey> end();
-    /// A node of another document, with all below it.
-    void copy(const YamlNode& node);
+    /// A node of another document, with all below it; where a mark is given, with that place.
+    void copy(const YamlNode& node, std::optional<YamlMark> place = std::nullopt);
 
     /// Lists and maps that are begun and not ended.
     std::size_t depth() const { return levels_.size(); }

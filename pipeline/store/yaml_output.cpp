@@ -16,14 +16,10 @@ using Json = nlohmann::ordered_json;
 
 bool is_plain_word(const std::string& text) {
     if (text.empty() || text.size() > 120) return false;
-    const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
-    const auto inner = [&](char c) {
-        return letter(c) || (c >= '0' && c <= '9') || c == '_' || c == '-' || c == '.' || c == '/';
-    };
     static constexpr const char* reserved[] = {"true", "false", "null", "yes", "no", "on",
                                                "off",  "y",     "n",    "nan", "inf"};
     const std::string lower = lower_case(text);
-    return letter(text.front()) && std::all_of(text.begin(), text.end(), inner) &&
+    return has_only(text.substr(0, 1), "") && !is_digit(text.front()) && has_only(text, "_-./") &&
            std::find(std::begin(reserved), std::end(reserved), lower) == std::end(reserved);
 }
 
@@ -49,7 +45,7 @@ std::string real_text(double value) {
 /// two surrogates (\ud83d\ude00), YAML as one number (\U0001f600).
 std::string quoted_text(const std::string& value, YamlLetters letters) {
     if (letters == YamlLetters::any && plain_text(value) == value &&
-        value.find(byte_order_mark) == std::string::npos)
+        value.find(utf8_mark) == std::string::npos)
         return Json(value).dump(-1, ' ', false, Json::error_handler_t::replace);
     const std::string json = Json(value).dump(-1, ' ', true, Json::error_handler_t::replace);
     const auto unit = [&json](std::size_t at) {
@@ -71,69 +67,27 @@ std::string quoted_text(const std::string& value, YamlLetters letters) {
     return text;
 }
 
-std::string scalar_text(const Json& value, YamlLetters letters) {
-    if (value.is_string()) {
-        const auto& text = value.get_ref<const std::string&>();
-        return is_plain_word(text) ? text : quoted_text(text, letters);
-    }
-    if (value.is_number_float()) return real_text(value.get<double>());
-    return value.dump();
-}
-
-void write(const Json& value, int indent, YamlLetters letters, std::string& out);
-
-void write_member(const Json& value, int indent, YamlLetters letters, std::string& out) {
-    if (value.is_structured() && !value.empty()) {
-        out += '\n';
-        write(value, indent, letters, out);
-    } else if (value.is_structured()) {
-        out += value.is_object() ? " {}\n" : " []\n";
-    } else {
-        out += ' ' + scalar_text(value, letters) + '\n';
-    }
-}
-
-void write(const Json& value, int indent, YamlLetters letters, std::string& out) {
-    const std::string blanks(static_cast<std::size_t>(indent), ' ');
-    if (value.is_object()) {
-        for (const auto& [key, member] : value.items()) {
-            out += blanks + scalar_text(Json(key), letters) + ':';
-            write_member(member, indent + 2, letters, out);
-        }
-        return;
-    }
-    for (const Json& item : value) {
-        out += blanks + '-';
-        if (item.is_object() && !item.empty()) {
-            std::string block;
-            write(item, indent + 2, letters, block);
-            out += ' ' + block.substr(static_cast<std::size_t>(indent) + 2);
-        } else {
-            write_member(item, indent + 2, letters, out);
-        }
-    }
-}
-
-std::string plain_scalar(const YamlNode& scalar) {
+std::string scalar_text(const YamlNode& scalar, YamlLetters letters) {
     const std::string text(scalar.scalar());
-    return scalar.is_quoted() ? scalar_text(text, YamlLetters::any) : text;
+    return scalar.is_quoted() && !is_plain_word(text) ? quoted_text(text, letters) : text;
 }
 
-void write_plain(const YamlNode& node, std::size_t indent, std::string& out) {
+void write(const YamlNode& node, std::size_t indent, YamlLetters letters, std::string& out) {
     for (std::size_t i = 0; i < node.size(); ++i) {
         const YamlNode value = node.is_map() ? node.value(i) : node.item(i);
-        out += std::string(indent, ' ') + (node.is_map() ? plain_scalar(node.key(i)) + ":" : "-");
+        out += std::string(indent, ' ') +
+               (node.is_map() ? scalar_text(node.key(i), letters) + ":" : "-");
         if (value.is_scalar()) {
-            out += ' ' + plain_scalar(value) + '\n';
+            out += ' ' + scalar_text(value, letters) + '\n';
         } else if (value.size() == 0) {
             out += value.is_map() ? " {}\n" : value.is_list() ? " []\n" : " null\n";
         } else if (node.is_list() && value.is_map()) {
             std::string block;
-            write_plain(value, indent + 2, block);
+            write(value, indent + 2, letters, block);
             out += ' ' + block.substr(indent + 2);
         } else {
             out += '\n';
-            write_plain(value, indent + 2, out);
+            write(value, indent + 2, letters, out);
         }
     }
 }
@@ -152,7 +106,8 @@ void build(const Json& value, YamlBuilder& builder) {
         const auto& text = value.get_ref<const std::string&>();
         builder.scalar(text, !is_plain_word(text), {});
     } else {
-        builder.scalar(scalar_text(value, YamlLetters::any), false, {});
+        builder.scalar(value.is_number_float() ? real_text(value.get<double>()) : value.dump(),
+                       false, {});
     }
 }
 
@@ -166,14 +121,16 @@ YamlNode yaml_node_of(const Json& document) {
 
 std::string plain_yaml_text(const YamlNode& map) {
     std::string out;
-    write_plain(map, 0, out);
+    write(map, 0, YamlLetters::any, out);
     return out;
 }
 
 std::string to_yaml_text(const Json& document, YamlLetters letters) {
+    const YamlNode root = yaml_node_of(document);
+    if (root.is_scalar()) return scalar_text(root, letters) + '\n';
+    if (root.size() == 0) return document.dump() + '\n';
     std::string out;
-    if (!document.is_structured() || document.empty()) return scalar_text(document, letters) + '\n';
-    write(document, 0, letters, out);
+    write(root, 0, letters, out);
     return out;
 }
 

@@ -13,8 +13,6 @@
 namespace runcert {
 namespace {
 
-constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
-
 void refuse_other_encodings(std::string_view text, const std::string& where) {
     if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff"))
         throw Failure(where, "the file is UTF-16 text", "Save it as UTF-8");
@@ -220,7 +218,7 @@ class StrictDocument : public YAML::EventHandler {
 
 YamlNode parse_yaml(std::string_view text, const std::string& where) {
     refuse_other_encodings(text, where);
-    if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
+    if (text.starts_with(utf8_mark)) text.remove_prefix(utf8_mark.size());
     refuse_unprintable_lines(text, where);
     StrictDocument document(text, where);
     try {

@@ -12,7 +12,7 @@
 #include "satellites/phase_pairs.h"
 #include "satellites/phase_record.h"
 #include "satellites/phase_screening.h"
-#include "schemas/enu/declared.h"
+#include "schemas/enu/frame_origin.h"
 #include "schemas/screened_phase/declared.h"
 #include "witness/phase_motion.h"
 #include "witness/phase_rows.h"

@@ -117,19 +117,6 @@ void resolve_parameters(const YamlValue& document, Attempt& attempt) {
     attempt.parameters = read_members<Parameters>(attempt.resolved["parameters"]);
 }
 
-}  // namespace
-
-std::vector<std::string> claimed_by(const std::string& name) {
-    if (name != "gps-speed-sailing" && name != "gps-ice-sailing") return {name};
-    std::vector<std::string> all;
-    for (const char* const rule :
-         {"2s", "10s", "5x10s", "500m", "nautical-mile", "1h", "alpha-500"})
-        all.push_back(name + "-" + rule);
-    return all;
-}
-
-namespace {
-
 std::vector<std::string> read_profiles(const YamlValue& list) {
     std::vector<std::string> profiles;
     std::set<std::string> names;
@@ -182,6 +169,15 @@ void require_sound_rules(const YamlValue& list, Attempt& attempt) {
 }
 
 }  // namespace
+
+std::vector<std::string> claimed_by(const std::string& name) {
+    if (name != "gps-speed-sailing" && name != "gps-ice-sailing") return {name};
+    std::vector<std::string> all;
+    for (const char* const rule :
+         {"2s", "10s", "5x10s", "500m", "nautical-mile", "1h", "alpha-500"})
+        all.push_back(name + "-" + rule);
+    return all;
+}
 
 const DocumentSchema& attempt_schema() {
     static const DocumentSchema schema =

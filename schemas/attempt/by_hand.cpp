@@ -4,23 +4,8 @@
 
 #include "core/speed_unit.h"
 #include "core/text.h"
-#include "schemas/common/enum_text.h"
 
 namespace runcert {
-namespace {
-
-constexpr EnumWords<CoordinateFrame, 4> frame_words{
-    {{CoordinateFrame::geodetic, "geodetic"},
-     {CoordinateFrame::ecef, "ecef"},
-     {CoordinateFrame::utm, "utm"},
-     {CoordinateFrame::local_plane, "local_plane"}}};
-
-}  // namespace
-
-std::string_view to_text(CoordinateFrame frame) {
-    return word_of(frame_words, frame);
-}
-
 template <>
 StatedFrame read_members(const YamlValue& frame) {
     if (frame.is_map())
@@ -28,7 +13,7 @@ StatedFrame read_members(const YamlValue& frame) {
                 .utm_zone = UtmZone{.zone = static_cast<int>(frame["utm"]["zone"].integer()),
                                     .northern = frame["utm"]["hemisphere"].text() == "north"}};
     StatedFrame stated;
-    if (!value_of(frame_words, frame.text(), stated.kind))
+    if (!from_text(frame.text(), stated.kind))
         frame.fail(fmt::format("\"{}\" is not a frame", escape_for_message(frame.text())),
                    "Use geodetic, ecef, local_plane, or utm: {zone: 55, hemisphere: south}");
     if (stated.kind == CoordinateFrame::utm)

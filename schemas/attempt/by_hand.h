@@ -15,10 +15,6 @@
 // Parts of an attempt that a declaration cannot say: their structs, and their readers.
 namespace runcert {
 
-/// Coordinates of a CSV recording.
-enum class CoordinateFrame { geodetic, ecef, utm, local_plane };
-std::string_view to_text(CoordinateFrame frame);
-
 struct StatedFrame {
     CoordinateFrame kind = CoordinateFrame::geodetic;
     std::optional<UtmZone> utm_zone = std::nullopt;  ///< where kind is utm

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "core/geodetic.h"
 #include "store/yaml_input.h"
 
 namespace runcert {
@@ -12,5 +13,12 @@ template <class Struct>
 nlohmann::ordered_json members_json(const Struct& value);
 template <class Struct>
 Struct read_members(const YamlValue& map);
+
+/// The same of geodetic coordinates, as an origin has them.
+using OriginPosition = Geodetic;
+template <>
+nlohmann::ordered_json members_json(const Geodetic& position);
+template <>
+Geodetic read_members(const YamlValue& map);
 
 }  // namespace runcert

@@ -33,10 +33,4 @@ YamlValue read_input(std::string_view text, const std::string& where, const Docu
 /// document against the table. A deviation is a bug in the program.
 std::string write_document(nlohmann::ordered_json document, const DocumentSchema& schema);
 
-/// Sets `json[key]` if there is a value.
-template <class Json, class T>
-void set_optional(Json& json, const char* key, const std::optional<T>& value) {
-    if (value) json[key] = *value;
-}
-
 }  // namespace runcert

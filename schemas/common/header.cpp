@@ -6,6 +6,7 @@
 
 #include "core/failure.h"
 #include "core/text.h"
+#include "schemas/common/members.h"
 
 namespace runcert {
 
@@ -25,22 +26,8 @@ Json header_json(const Header& header) {
     json["stage"] = {{"name", header.stage},
                      {"version", header.program_version},
                      {"source_revision", header.source_revision}};
-    for (const CalledProgram& program : header.programs) {
-        Json entry = {{"name", program.name}};
-        if (!program.version.empty()) entry["version"] = program.version;
-        entry["sha256"] = program.sha256;
-        if (!program.isolation.empty()) entry["isolation"] = program.isolation;
-        json["stage"]["programs"].push_back(std::move(entry));
-    }
-    json["inputs"] = Json::array();
-    for (const InputFile& input : header.inputs) {
-        Json entry = {{"role", input.role},
-                      {"file", input.file},
-                      {"sha256", input.sha256},
-                      {"bytes", input.bytes}};
-        if (!input.original.empty()) entry["original"] = input.original;
-        json["inputs"].push_back(std::move(entry));
-    }
+    if (!header.programs.empty()) member::write(json["stage"], "programs", header.programs);
+    member::write(json, "inputs", header.inputs);
     json["parameters"] = *header.parameters;
     if (!header.attempt->empty()) json["attempt"] = *header.attempt;
     return json;
@@ -53,17 +40,8 @@ Header read_header(const YamlValue& document) {
     header.stage = document["stage"]["name"].text();
     header.program_version = document["stage"]["version"].text();
     header.source_revision = document["stage"]["source_revision"].text();
-    for (const YamlValue& program : document["stage"]["programs"].list())
-        header.programs.push_back({.name = program["name"].text(),
-                                   .version = program["version"].text_or(""),
-                                   .sha256 = program["sha256"].text(),
-                                   .isolation = program["isolation"].text_or("")});
-    for (const YamlValue& input : document["inputs"].list())
-        header.inputs.push_back({.role = input["role"].text(),
-                                 .file = input["file"].text(),
-                                 .sha256 = input["sha256"].text(),
-                                 .bytes = static_cast<std::uint64_t>(input["bytes"].integer()),
-                                 .original = input["original"].text_or("")});
+    member::take(document["stage"], "programs", header.programs);
+    member::take(document, "inputs", header.inputs);
     header.parameters = json_from_yaml(document["parameters"]);
     if (document["attempt"].exists()) header.attempt = json_from_yaml(document["attempt"]);
     return header;

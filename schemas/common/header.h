@@ -1,36 +1,16 @@
 #pragma once
 
-#include <cstdint>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "core/gps_time.h"
+#include "schemas/common/declared.h"
 #include "store/document_schema.h"
 #include "store/held_json.h"
 
 namespace runcert {
-
-/// A file that another file was made from.
-struct InputFile {
-    std::string role;
-    std::string file;  ///< name in the run folder
-    std::string sha256;
-    std::uint64_t bytes = 0;
-    std::string original;  ///< the name under which it was handed in; empty if the same
-};
-
-/// An external program that a stage called.
-struct CalledProgram {
-    std::string name;
-    std::string version;  ///< as it states; empty if it states none
-    std::string sha256;   ///< of its executable file
-    /// "no_network" or "limits_only" if it did not run in a sandbox, otherwise empty.
-    std::string isolation = {};
-
-    bool operator==(const CalledProgram&) const = default;
-};
 
 /// The header of every stage file: `schemas/common/v1.yaml`.
 struct Header {

@@ -93,8 +93,7 @@ T read(const YamlValue& value) {
         T word{};
         if (!from_text(value.text(), word))
             value.fail("\"" + escape_for_message(value.text()) + "\" is not one of the known words",
-                       "The file is not as the program writes it; take the original, or run the "
-                       "stage again");
+                       take_the_original);
         return word;
     } else {
         return read_members<T>(value);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <nlohmann/json.hpp>
 
 #include "core/failure.h"
 #include "core/satellite.h"
@@ -13,10 +14,7 @@
 namespace runcert {
 
 bool is_role(std::string_view text) {
-    return !text.empty() && text.size() <= 64 && std::all_of(text.begin(), text.end(), [](char c) {
-        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-               c == '-' || c == '_';
-    });
+    return !text.empty() && text.size() <= 64 && has_only(text, "-_");
 }
 
 bool is_id(std::string_view text) {
@@ -148,6 +146,13 @@ Satellite read_members(const YamlValue& value) {
         value.fail(fmt::format("\"{}\" is no satellite", escape_for_message(value.text())),
                    "Name it as RINEX does: G02, E11");
     return satellite;
+}
+
+template <>
+nlohmann::ordered_json members_json(const Geodetic& position) {
+    return {{"latitude_deg", position.latitude.degrees()},
+            {"longitude_deg", position.longitude.degrees()},
+            {"height_m", position.height_m}};
 }
 
 template <>

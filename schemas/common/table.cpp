@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "store/yaml_output.h"
@@ -13,26 +14,24 @@ namespace {
 EcsvColumn read_column(const YamlValue& entry) {
     EcsvColumn column;
     column.name = entry["name"].text();
-    const std::string type = entry["type"].text();
-    if (type == "integer")
-        column.type = CellType::integer;
-    else if (type == "boolean")
-        column.type = CellType::boolean;
-    else if (type == "text")
-        column.type = CellType::text;
-    else if (type == "real")
+    static const std::map<std::string, CellType> types{{"integer", CellType::integer},
+                                                       {"boolean", CellType::boolean},
+                                                       {"text", CellType::text},
+                                                       {"real", CellType::real}};
+    const auto type = types.find(entry["type"].text());
+    if (type == types.end())
+        entry["type"].fail("\"" + entry["type"].text() + "\" is not a type",
+                           "Use integer, real, boolean or text");
+    column.type = type->second;
+    if (column.type == CellType::real)
         column.decimals = static_cast<int>(entry["decimals"].integer());
-    else
-        entry["type"].fail("\"" + type + "\" is not a type", "Use integer, real, boolean or text");
     column.unit = entry["unit"].text_or("");
     column.description = entry["description"].text();
     return column;
 }
 
 [[noreturn]] void refuse(const EcsvReader& reader, const std::string& what) {
-    throw Failure(reader.where(), what,
-                  "The file is not as the program writes it; take the original, or run the stage "
-                  "again");
+    throw Failure(reader.where(), what, take_the_original);
 }
 
 /// The index of the column in the table.
@@ -48,10 +47,6 @@ std::size_t match_column(const EcsvReader& reader, const EcsvColumn& expected) {
 }
 
 }  // namespace
-
-TableSchema TableSchema::parse(std::string_view text, const std::string& where) {
-    return read(parse_yaml(text, where), where);
-}
 
 TableSchema TableSchema::read(const YamlNode& table, const std::string& where) {
     TableSchema schema;

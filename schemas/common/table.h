@@ -33,8 +33,6 @@ class TableSchema {
   public:
     /// Reads a parsed field table (compiled into the program).
     static TableSchema read(const YamlNode& table, const std::string& where);
-    /// Parses and reads a field table.
-    static TableSchema parse(std::string_view text, const std::string& where);
 
     const DocumentSchema& meta() const { return meta_; }
     const std::vector<EcsvColumn>& columns() const { return columns_; }
@@ -81,15 +79,9 @@ requires std::is_enum_v<Enum>
 void write(EcsvWriter& out, Enum value) {
     out.text(to_text(value));
 }
-template <class T>
-void write(EcsvWriter& out, const std::optional<T>& value) {
-    if (value)
-        write(out, *value);
-    else
-        out.missing();
-}
-template <class T>
-void write(EcsvWriter& out, const OptionalNumber<T>& value) {
+/// What may be missing: std::optional, OptionalNumber.
+template <template <class> class Maybe, class T>
+void write(EcsvWriter& out, const Maybe<T>& value) {
     if (value)
         write(out, *value);
     else
@@ -107,9 +99,7 @@ void read(const EcsvReader& in, std::size_t column, Integer& value) {
     const std::int64_t whole = in.integer(column);
     if (whole <= std::numeric_limits<Integer>::lowest() ||
         whole > std::numeric_limits<Integer>::max())
-        in.fail(column, "the whole number is too large",
-                "The file is not as the program writes it; take the original, or run the stage "
-                "again");
+        in.fail(column, "the whole number is too large", take_the_original);
     value = static_cast<Integer>(whole);
 }
 inline void read(const EcsvReader& in, std::size_t column, bool& value) {
@@ -125,22 +115,13 @@ requires requires(Word word) {
 void read(const EcsvReader& in, std::size_t column, Word& value) {
     if (!from_text(in.word(column), value))
         in.fail(column, "\"" + in.text(column) + "\" is not one of the known words",
-                "The file is not as the program writes it; take the original, or run the stage "
-                "again");
+                take_the_original);
 }
-template <class T>
-void read(const EcsvReader& in, std::size_t column, std::optional<T>& value) {
-    if (in.is_missing(column)) {
-        value.reset();
-        return;
-    }
+template <template <class> class Maybe, class T>
+void read(const EcsvReader& in, std::size_t column, Maybe<T>& value) {
+    value.reset();
+    if (in.is_missing(column)) return;
     T present{};
-    read(in, column, present);
-    value = present;
-}
-template <class T>
-void read(const EcsvReader& in, std::size_t column, OptionalNumber<T>& value) {
-    std::optional<T> present;
     read(in, column, present);
     value = present;
 }
@@ -156,21 +137,13 @@ struct ColumnBinding {
     void (*read)(const EcsvReader&, std::size_t, Row&);
 };
 
-template <class Row, auto Member>
-ColumnBinding<Row> column(std::string name) {
-    return {std::move(name), [](EcsvWriter& out, const Row& row) { cell::write(out, row.*Member); },
-            [](const EcsvReader& in, std::size_t index, Row& row) {
-                cell::read(in, index, row.*Member);
-            }};
-}
-
-/// Binds a column to a member of a struct inside the row.
-template <class Row, auto Group, auto Member>
+/// `Path` leads to a member of the row, or through one that is a struct to a member of that.
+template <class Row, auto... Path>
 ColumnBinding<Row> column(std::string name) {
     return {std::move(name),
-            [](EcsvWriter& out, const Row& row) { cell::write(out, row.*Group.*Member); },
+            [](EcsvWriter& out, const Row& row) { cell::write(out, (row.*....*Path)); },
             [](const EcsvReader& in, std::size_t index, Row& row) {
-                cell::read(in, index, row.*Group.*Member);
+                cell::read(in, index, (row.*....*Path));
             }};
 }
 
@@ -236,11 +209,6 @@ class TableFormat {
             throw Failure(where, "the struct of the rows does not follow the field table",
                           "This is a fault of the program; please report it");
     }
-
-    /// Parses the field table first.
-    TableFormat(std::string_view table, const std::string& where,
-                std::vector<ColumnBinding<Row>> bindings)
-        : TableFormat(parse_yaml(table, where), where, std::move(bindings)) {}
 
     const TableSchema& schema() const { return schema_; }
 

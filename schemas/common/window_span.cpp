@@ -10,17 +10,6 @@
 namespace runcert {
 namespace {
 
-ElapsedTime read_elapsed(const YamlValue& value) {
-    const double seconds = value.real();
-    if (const auto nanoseconds = parse_decimal_nanoseconds(value.text())) return {*nanoseconds};
-    // The shortest form of a number below 0.0001 has an exponent.
-    if (std::abs(seconds) >= 1e-4)
-        value.fail("is not a time in seconds with at most nine decimals",
-                   "The file is not as the program writes it; take the original, or run the stage "
-                   "again");
-    return {std::llround(seconds * 1e9)};
-}
-
 std::string after_first_epoch(ElapsedTime time) {
     return format_fixed(time.seconds(), 1) + " s after the first epoch";
 }
@@ -41,10 +30,25 @@ std::string beginning_text(const WindowSpan& span) {
 }
 
 template <>
+nlohmann::ordered_json members_json(const ElapsedTime& time) {
+    return rounded(time.seconds(), 9);
+}
+
+template <>
+ElapsedTime read_members(const YamlValue& value) {
+    const double seconds = value.real();
+    if (const auto nanoseconds = parse_decimal_nanoseconds(value.text())) return {*nanoseconds};
+    // The shortest form of a number below 0.0001 has an exponent.
+    if (std::abs(seconds) >= 1e-4)
+        value.fail("is not a time in seconds with at most nine decimals", take_the_original);
+    return {std::llround(seconds * 1e9)};
+}
+
+template <>
 nlohmann::ordered_json members_json(const WindowSpan& span) {
     nlohmann::ordered_json json;
-    json["start_time_s"] = rounded(span.start.seconds(), 9);
-    json["duration_s"] = rounded(span.duration.seconds(), 9);
+    json["start_time_s"] = members_json(span.start);
+    json["duration_s"] = members_json(span.duration);
     if (span.start_gps) {
         json["start_gps"] = to_iso(*span.start_gps, 3);
         json["start_utc"] = to_utc_iso(*span.start_gps, 3);
@@ -59,8 +63,8 @@ WindowSpan read_members(const YamlValue& value) {
     WindowSpan span;
     span.first_epoch = value["first_epoch"].integer();
     span.last_epoch = value["last_epoch"].integer();
-    span.start = read_elapsed(value["start_time_s"]);
-    span.duration = read_elapsed(value["duration_s"]);
+    span.start = read_members<ElapsedTime>(value["start_time_s"]);
+    span.duration = read_members<ElapsedTime>(value["duration_s"]);
     span.start_gps = read_gps_time(value["start_gps"]);
     return span;
 }

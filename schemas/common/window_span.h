@@ -29,6 +29,11 @@ std::string instant_text(const std::optional<GpsTime>& first_epoch, ElapsedTime 
 /// When a window begins, in the same words.
 std::string beginning_text(const WindowSpan& span);
 
+/// Seconds, exact to the nanosecond.
+template <>
+nlohmann::ordered_json members_json(const ElapsedTime& time);
+template <>
+ElapsedTime read_members(const YamlValue& value);
 template <>
 nlohmann::ordered_json members_json(const WindowSpan& span);
 template <>

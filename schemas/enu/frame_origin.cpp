@@ -1,37 +1,9 @@
 #include "schemas/enu/frame_origin.h"
 
 #include <algorithm>
-#include <cmath>
-#include <nlohmann/json.hpp>
-
-#include "core/geodesy.h"
 
 namespace runcert {
-namespace {
-
-nlohmann::ordered_json geodetic_json(const Geodetic& position) {
-    return {{"latitude_deg", position.latitude.degrees()},
-            {"longitude_deg", position.longitude.degrees()},
-            {"height_m", position.height_m}};
-}
-
-nlohmann::ordered_json place_json(const FramePlace& place) {
-    nlohmann::ordered_json json{{"from_s", place.from.seconds()}};
-    json.update(geodetic_json(place.position));
-    json["east_m"] = place.east_m;
-    json["north_m"] = place.north_m;
-    return json;
-}
-
-FramePlace read_place(const YamlValue& map) {
-    return {.from = {std::llround(map["from_s"].real() * 1e9)},
-            .position = read_members<Geodetic>(map),
-            .east_m = map["east_m"].real(),
-            .north_m = map["north_m"].real()};
-}
-
-}  // namespace
-
+/// Which place holds at a time: 0 before the first, where it is the origin itself.
 std::size_t FrameOrigin::number_at(ElapsedTime time) const {
     return static_cast<std::size_t>(std::ranges::upper_bound(places, time, {}, &FramePlace::from) -
                                     places.begin());
@@ -79,24 +51,6 @@ double fall_at_m(const std::optional<FrameOrigin>& origin, ElapsedTime time, dou
     if (!origin) return 0.0;
     const FramePlace place = origin->place_at(time);
     return fall_below_plane_m(east_m - place.east_m, north_m - place.north_m);
-}
-
-template <>
-nlohmann::ordered_json members_json(const FrameOrigin& origin) {
-    nlohmann::ordered_json json = geodetic_json(origin.position);
-    json["source"] = origin.source;
-    for (const FramePlace& place : origin.places)
-        json["places"].push_back(place_json(place));
-    return json;
-}
-
-template <>
-FrameOrigin read_members(const YamlValue& map) {
-    FrameOrigin origin{.position = read_members<Geodetic>(map), .source = map["source"].text()};
-    if (map["places"].exists())
-        for (const YamlValue& place : map["places"].list())
-            origin.places.push_back(read_place(place));
-    return origin;
 }
 
 }  // namespace runcert

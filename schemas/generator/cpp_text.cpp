@@ -117,41 +117,53 @@ bool is_read_strictly(const std::string& type) {
            type == "files";
 }
 
-/// Statements that put the members of `value` into `map`, or take them from it.
+/// Statements that put the members of `value` into `map`, or take them from it. A field outside
+/// every map that is in another one has a name with a point: "summary.variance_factor".
 std::string codec(const DeclaredStruct& made, bool writes) {
     std::string out;
     for (std::size_t i = 0; i < made.fields.size(); ++i) {
         const YamlValue& entry = made.fields[i];
-        const std::string& name = made.names[i];
-        if (writes && entry["computed"].exists())
-            out += fmt::format("    map[\"{}\"] = value.{};\n", name, entry["computed"].text());
+        const std::size_t point = made.names[i].rfind('.');
+        const std::string name = made.names[i].substr(point + 1);
+        const std::string map = point == std::string::npos
+                                    ? "map"
+                                    : fmt::format("map[\"{}\"]", made.names[i].substr(0, point));
+        const std::string computed = entry["computed"].text_or("");
+        if (writes && !computed.empty())
+            out += fmt::format(fmt::runtime(entry["type"].text() == "text"
+                                                ? "    member::write(map, \"{}\", value.{});\n"
+                                                : "    map[\"{}\"] = value.{};\n"),
+                               name, computed);
         if (is_set(entry, "base"))
             out += fmt::format("    member::take(map, \"{}\", static_cast<{}&>(value));\n", name,
                                entry["type"].text());
         if (!has_member(made, i)) continue;
         const std::string member = "value." + member_name(name, entry);
         const std::string type = entry["type"].text();
-        std::string line;
+        const std::string scale = entry["scale"].text_or("");
+        const auto line = [&](std::string_view form) {
+            return fmt::format(fmt::runtime(form), fmt::arg("map", map), fmt::arg("name", name),
+                               fmt::arg("member", member), fmt::arg("type", type),
+                               fmt::arg("scale", scale),
+                               fmt::arg("if", condition_of(entry, member)));
+        };
+        out += "    ";
         if (is_set(entry, "flat"))
-            line = writes ? fmt::format("map.update(members_json({}));", member)
-                          : fmt::format("member::take_all(map, {});", member);
+            out += line(writes ? "map.update(members_json({member}));"
+                               : "member::take_all(map, {member});");
         else if (!writes && is_read_strictly(type))
-            line = fmt::format("if (map[\"{0}\"].exists()) {1} = read_{2}(map[\"{0}\"]);", name,
-                               member, type);
+            out += line(R"(if (map["{name}"].exists()) {member} = read_{type}(map["{name}"]);)");
         else if (type == "speed")
-            line = fmt::format("member::{}_speed(map, \"{}\", {});", writes ? "put" : "take", name,
-                               member);
-        else if (entry["scale"].exists())
-            line = writes
-                       ? fmt::format("member::write(map, \"{}\", {} * {});", name, member,
-                                     entry["scale"].node().scalar())
-                       : fmt::format("if (map[\"{0}\"].exists()) {1} = map[\"{0}\"].real() / {2};",
-                                     name, member, entry["scale"].node().scalar());
+            out += line(writes ? R"(member::put_speed(map, "{name}", {member});)"
+                               : R"(member::take_speed(map, "{name}", {member});)");
+        else if (!scale.empty())
+            out += line(writes ? R"(member::write(map, "{name}", {member} * {scale});)"
+                               : R"(if (map["{name}"].exists()) )"
+                                 R"({member} = map["{name}"].real() / {scale};)");
         else
-            line = fmt::format("{}member::{}(map, \"{}\", {});",
-                               writes ? condition_of(entry, member) : "", writes ? "write" : "take",
-                               name, member);
-        out += "    " + line + "\n";
+            out += line(writes ? R"({if}member::write({map}, "{name}", {member});)"
+                               : R"(member::take({map}, "{name}", {member});)");
+        out += "\n";
     }
     return out;
 }
@@ -434,9 +446,8 @@ std::string header_text(const Declaration& declaration) {
                       "/v1.yaml.\n\n#include <cstdint>\n#include <optional>\n"
                       "#include <string>\n#include <string_view>\n#include <vector>\n\n"
                       "#include \"core/optional_number.h\"\n";
-    if (declaration.source()["includes"].exists())
-        for (const YamlValue& header : declaration.source()["includes"].list())
-            out += "#include \"" + header.text() + "\"\n";
+    for (const YamlValue& header : declaration.source()["includes"].list())
+        out += "#include \"" + header.text() + "\"\n";
     out += "\nnamespace runcert {\n\n";
     for (const DeclaredWords& words : declaration.own_words())
         out += enumeration(words);

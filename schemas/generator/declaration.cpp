@@ -35,6 +35,13 @@ DeclaredWords read_words(const std::string& name, const YamlValue& entry) {
     return words;
 }
 
+void add_fields(const YamlValue& fields, DeclaredStruct& made) {
+    for (const std::string& key : fields.keys()) {
+        made.names.push_back(key);
+        made.fields.push_back(fields[key]);
+    }
+}
+
 DeclaredStruct read_struct(const std::string& name, const YamlValue& entry) {
     DeclaredStruct made{.name = name,
                         .about = entry["about"].text(),
@@ -47,19 +54,13 @@ DeclaredStruct read_struct(const std::string& name, const YamlValue& entry) {
                         .compact = is_set(entry, "compact"),
                         .rules = entry["rules"].list(),
                         .rules_of = entry["rules_of"].text_or("")};
-    if (entry["functions"].exists())
-        for (const YamlValue& function : entry["functions"].list())
-            made.functions.push_back(function.text());
-    if (const YamlValue fields = entry["fields"]; fields.exists())
-        for (const std::string& key : fields.keys()) {
-            made.names.push_back(key);
-            made.fields.push_back(fields[key]);
-        }
-    if (const YamlValue columns = entry["columns"]; columns.exists())
-        for (const YamlValue& column : columns.list()) {
-            made.names.push_back(column["name"].text());
-            made.fields.push_back(column);
-        }
+    for (const YamlValue& function : entry["functions"].list())
+        made.functions.push_back(function.text());
+    add_fields(entry["fields"], made);
+    for (const YamlValue& column : entry["columns"].list()) {
+        made.names.push_back(column["name"].text());
+        made.fields.push_back(column);
+    }
     return made;
 }
 
@@ -91,23 +92,19 @@ bool is_set(const YamlValue& entry, std::string_view key) {
 Declaration::Declaration(const std::string& path, const std::filesystem::path& products) {
     source_ = parsed(path);
     folder_ = std::filesystem::path(path).parent_path().filename().string();
-    const YamlValue uses = source_["uses"];
-    const std::string extended =
-        source_["row"].exists() ? source_["row"]["extends"].text_or("") : "";
-    if (uses.exists())
-        for (const YamlValue& product : uses.list()) {
-            const YamlValue other = parsed(products / product.text() / "v1.yaml");
-            read(other, false);
-            if (product.text() != extended) continue;
-            extended_row_ = other["row"]["name"].text();
-            read_columns(other, true);
-        }
+    const std::string extended = source_["row"]["extends"].text_or("");
+    for (const YamlValue& product : source_["uses"].list()) {
+        const YamlValue other = parsed(products / product.text() / "v1.yaml");
+        read(other, false);
+        if (product.text() != extended) continue;
+        extended_row_ = other["row"]["name"].text();
+        read_columns(other, true);
+    }
     read(source_, true);
     read_columns(source_, false);
 }
 
 void Declaration::read_columns(const YamlValue& table, bool inherited) {
-    if (!table["columns"].exists()) return;
     for (const YamlValue& entry : table["columns"].list()) {
         if (!entry["group"].exists()) {
             columns_.push_back({entry, nullptr, {}, inherited});
@@ -122,7 +119,6 @@ void Declaration::read_columns(const YamlValue& table, bool inherited) {
 
 void Declaration::read(const YamlValue& table, bool own) {
     const auto each = [&](const char* section, auto make, auto& all, auto& mine) {
-        if (!table[section].exists()) return;
         for (const std::string& name : table[section].keys()) {
             auto made = make(name, table[section][name]);
             if (own) mine.push_back(made);
@@ -133,17 +129,11 @@ void Declaration::read(const YamlValue& table, bool own) {
     each("maps", read_struct, maps_, own_maps_);
     each("groups", read_struct, groups_, own_groups_);
     if (!own) return;
-    top_.rules = table["rules"].list();
-    const YamlValue fields = table["fields"];
-    for (const std::string& key : fields.keys()) {
-        top_.names.push_back(key);
-        top_.fields.push_back(fields[key]);
-    }
     for (const char* const holder : {"struct", "input"})
-        if (const YamlValue named = table[holder]; named.exists()) {
-            top_.name = named["name"].text();
-            top_.about = named["about"].text();
-        }
+        if (const YamlValue named = table[holder]; named.exists())
+            top_ = read_struct(named["name"].text(), named);
+    top_.rules = table["rules"].list();
+    add_fields(table["fields"], top_);
 }
 
 const DeclaredWords* Declaration::words(const std::string& name) const {

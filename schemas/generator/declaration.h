@@ -14,7 +14,7 @@
 //   schema, version   name and version of the product
 //   uses              products whose words, groups and maps are used here
 //   includes          headers that declare what is written by hand
-//   struct            name and about of what holds the whole product
+//   struct            name and about of what holds the whole product; `functions` of it
 //   words             enumerations: a word of the file, and what it says to people; where that is
 //                     no name in C++, with `enumerator`; where it is said otherwise after what it
 //                     is said of ("3 epochs without a position"), with `phrase`; what else a word

@@ -26,6 +26,21 @@ template Eigen::Matrix<double, 1, 1> stated_covariance<1>(const StatedAccuracy&)
 template Eigen::Matrix2d stated_covariance<2>(const StatedAccuracy&);
 template Eigen::Matrix3d stated_covariance<3>(const StatedAccuracy&);
 
+std::string RecordingFacts::first_epoch_utc() const {
+    return first_epoch ? to_utc_iso(*first_epoch, 9) : std::string();
+}
+
+WindowSpan window_span(const RecordingFacts& facts, std::int64_t first_epoch,
+                       std::int64_t last_epoch, ElapsedTime first, ElapsedTime last) {
+    WindowSpan span{.first_epoch = first_epoch,
+                    .last_epoch = last_epoch,
+                    .start = first,
+                    .duration = {last.nanoseconds - first.nanoseconds},
+                    .start_gps = std::nullopt};
+    if (facts.first_epoch) span.start_gps = facts.first_epoch->plus_nanoseconds(first.nanoseconds);
+    return span;
+}
+
 std::string processing_text(const Processing& processing) {
     std::string text = "solved";
     if (!processing.program.empty()) text += " by " + processing.program;

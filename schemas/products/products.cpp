@@ -41,12 +41,11 @@ YamlNode report_field_table_node();
 
 namespace {
 
-/// One product: what its file's name begins with, its field table, and its reader.
+/// One product: its file, its field table, and its reader.
 struct Product {
-    std::string_view stem;
+    ProductFile file;
     YamlNode (*field_table)();
     void (*read)(std::string_view, const std::string&);
-    bool is_table;
 };
 
 /// Each row is checked, and none kept.
@@ -62,25 +61,25 @@ void read_whole(std::string_view text, const std::string& where) {
     (void)read(text, where);
 }
 
+using namespace products;
 constexpr std::array<Product, 11> known_products{{
-    {products::observations.stem, observations_field_table_node, read_table<open_observations>,
-     true},
-    {products::phase.stem, phase_field_table_node, read_table<open_phase>, true},
-    {products::imu.stem, imu_field_table_node, read_table<open_imu>, true},
-    {products::surface.stem, surface_field_table_node, read_table<open_surface>, true},
-    {products::enu.stem, enu_field_table_node, read_table<open_enu>, true},
-    {products::screened.stem, screened_field_table_node, read_table<open_screened>, true},
-    {products::screened_phase.stem, screened_phase_field_table_node,
-     read_table<open_screened_phase>, true},
-    {products::trajectory.stem, trajectory_field_table_node, read_table<open_trajectory>, true},
-    {products::attitude.stem, attitude_field_table_node, read_table<open_attitude>, true},
-    {products::windows.stem, windows_field_table_node, read_whole<read_windows>, false},
-    {products::verdict.stem, verdict_field_table_node, read_whole<read_verdict>, false},
+    {observations, observations_field_table_node, read_table<open_observations>},
+    {phase, phase_field_table_node, read_table<open_phase>},
+    {imu, imu_field_table_node, read_table<open_imu>},
+    {surface, surface_field_table_node, read_table<open_surface>},
+    {enu, enu_field_table_node, read_table<open_enu>},
+    {screened, screened_field_table_node, read_table<open_screened>},
+    {screened_phase, screened_phase_field_table_node, read_table<open_screened_phase>},
+    {trajectory, trajectory_field_table_node, read_table<open_trajectory>},
+    {attitude, attitude_field_table_node, read_table<open_attitude>},
+    {windows, windows_field_table_node, read_whole<read_windows>},
+    {verdict, verdict_field_table_node, read_whole<read_verdict>},
 }};
 
 const Product& product_of(std::string_view file, const std::string& where) {
     const std::string_view stem = file.substr(0, file.find('.'));
-    const auto found = std::ranges::find(known_products, stem, &Product::stem);
+    const auto found =
+        std::ranges::find(known_products, stem, [](const Product& one) { return one.file.stem; });
     if (found == known_products.end())
         throw Failure(where,
                       fmt::format("\"{}\" is no product of a stage that this program knows",
@@ -89,20 +88,16 @@ const Product& product_of(std::string_view file, const std::string& where) {
     return *found;
 }
 
-}  // namespace
-
-bool is_product_name(std::string_view file) {
-    return file.size() > 2 && file[0] >= '1' && file[0] <= '9' && file[1] == '-';
-}
-
-namespace {
-
 YamlValue header_of(std::string_view text, std::string_view file, const std::string& where) {
     if (file.ends_with(".ecsv")) return YamlValue(EcsvReader(text, where).meta(), where);
     return YamlValue(parse_yaml(text, where), where);
 }
 
 }  // namespace
+
+bool is_product_name(std::string_view file) {
+    return file.size() > 2 && file[0] >= '1' && file[0] <= '9' && file[1] == '-';
+}
 
 Header read_product_header(std::string_view text, std::string_view file, const std::string& where) {
     return read_header(header_of(text, file, where));
@@ -120,17 +115,13 @@ const DocumentSchema& product_fields(std::string_view file) {
     static const auto all = [] {
         std::map<std::string_view, DocumentSchema> fields;
         for (const Product& product : known_products) {
-            const std::string where(product.stem);
-            if (product.is_table)
-                fields.emplace(product.stem,
-                               TableSchema::read(product.field_table(), where).meta());
-            else
-                fields.emplace(product.stem, DocumentSchema::read(product.field_table(), where,
-                                                                  &header_schema()));
+            const std::string where(product.file.stem);
+            fields.emplace(product.file.stem,
+                           DocumentSchema::read(product.field_table(), where, &header_schema()));
         }
         return fields;
     }();
-    return all.at(product_of(file, std::string(file)).stem);
+    return all.at(product_of(file, std::string(file)).file.stem);
 }
 
 const DocumentSchema& report_field_table() {

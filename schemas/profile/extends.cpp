@@ -1,5 +1,3 @@
-#include "schemas/profile/extends.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -48,17 +46,7 @@ class Extension {
     }
 
     /// A node of the base, at the place where the rule says that it extends it.
-    void copy_of_base(const YamlNode& node) {
-        const YamlMark mark = own_["extends"].node().mark();
-        if (node.is_null()) return builder_.null(mark);
-        if (node.is_scalar()) return builder_.scalar(node.scalar(), node.is_quoted(), mark);
-        builder_.begin(node.kind(), mark);
-        for (std::size_t i = 0; i < node.size(); ++i) {
-            if (node.is_map()) copy_of_base(node.key(i));
-            copy_of_base(node.is_map() ? node.value(i) : node.item(i));
-        }
-        (void)builder_.end();
-    }
+    void copy_of_base(const YamlNode& node) { builder_.copy(node, own_["extends"].node().mark()); }
 
     void join(std::string_view key, const YamlNode& base, const YamlNode& own, bool is_rule) {
         if (base.is_map() && own.is_map())
@@ -169,6 +157,12 @@ YamlValue extended(const YamlValue& document, const YamlValue& place,
 
 }  // namespace
 
+YamlValue extended(const YamlValue& document);
+
+/// A rule's document without `extends` and `leaves_out`, with what it has from the rules that it
+/// extends. `document` was parsed of a file; what comes from another rule has the place of its
+/// `extends`. Failure, with that place, for an unknown rule, one that extends itself, or an id of
+/// `leaves_out` that the other rule does not have.
 YamlValue extended(const YamlValue& document) {
     return extended(document, document["extends"], {});
 }

@@ -11,13 +11,13 @@
 #include "core/failure.h"
 #include "core/text.h"
 #include "schemas/common/document.h"
-#include "schemas/profile/extends.h"
 #include "store/sha256.h"
 #include "store/yaml_output.h"
 
 namespace runcert {
 
 YamlNode profile_field_table_node();
+YamlValue extended(const YamlValue& document);
 std::string_view builtin_profile_text(std::string_view name);
 std::string_view own_clauses_text(std::string_view name);
 std::string_view published_rules_text(std::string_view name);

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "schemas/common/members.h"
-
 namespace runcert {
 
 namespace {
@@ -48,46 +46,13 @@ ScreeningSummary summarise(const std::vector<ScreenedEpoch>& rows) {
     return summary;
 }
 
-std::string write_screened(const ScreenedTable& table) {
-    nlohmann::ordered_json meta = header_json(table.header);
-    meta.update(members_json(table.facts));
-    if (table.origin) meta["origin"] = members_json(*table.origin);
-    const ScreeningSummary summary = summarise(table.rows);
-    meta["summary"] = {{"epochs", table.rows.size()},
-                       {"usable", summary.usable},
-                       {"arcs", summary.arcs},
-                       {"reasons", counts_json(summary.reasons)},
-                       {"decisions", counts_json(summary.decisions)},
-                       {"variance_factor", table.variance_factor}};
-    meta["screening"] = members_json(table.basis);
-    return screened_format().write(std::move(meta), table.rows);
-}
-
-namespace {
-
-ScreenedTable head_of(const YamlValue& meta) {
-    return {.header = read_header(meta),
-            .facts = read_members<RecordingFacts>(meta),
-            .origin = meta["origin"].exists()
-                          ? std::optional(read_members<FrameOrigin>(meta["origin"]))
-                          : std::nullopt,
-            .variance_factor = meta["summary"]["variance_factor"].real(),
-            .basis = read_members<ScreeningBasis>(meta["screening"]),
-            .rows = {}};
-}
-
-}  // namespace
-
-ScreenedTable read_screened(std::string_view text, const std::string& where) {
-    auto contents = screened_format().read(text, where);
-    ScreenedTable table = head_of(contents.meta);
-    table.rows = std::move(contents.rows);
-    return table;
-}
-
-OpenTable<ScreenedTable> open_screened(std::string_view text, const std::string& where) {
-    RowReader<ScreenedEpoch> rows(screened_format(), text, where);
-    return {head_of(rows.meta()), std::move(rows)};
+nlohmann::ordered_json ScreenedTable::summary() const {
+    const ScreeningSummary summary = summarise(rows);
+    return {{"epochs", rows.size()},
+            {"usable", summary.usable},
+            {"arcs", summary.arcs},
+            {"reasons", counts_json(summary.reasons)},
+            {"decisions", counts_json(summary.decisions)}};
 }
 
 }  // namespace runcert

@@ -7,16 +7,6 @@
 
 namespace runcert {
 
-/// 3-screened.ecsv, `schemas/screened/v1.yaml`.
-struct ScreenedTable {
-    Header header;
-    RecordingFacts facts;
-    std::optional<FrameOrigin> origin;
-    double variance_factor = 1.0;
-    ScreeningBasis basis;
-    std::vector<ScreenedEpoch> rows;
-};
-
 /// Whether an epoch was left out for its time alone.
 constexpr bool is_out_of_time(const ScreenedEpoch& row) {
     return row.reason == Reason::repeated || row.reason == Reason::duplicate_time ||
@@ -40,10 +30,5 @@ struct ScreeningSummary {
     void add(const ScreenedEpoch& row);
 };
 ScreeningSummary summarise(const std::vector<ScreenedEpoch>& rows);
-
-std::string write_screened(const ScreenedTable& table);
-ScreenedTable read_screened(std::string_view text, const std::string& where);
-/// The same row by row. `text` must outlive what is returned.
-OpenTable<ScreenedTable> open_screened(std::string_view text, const std::string& where);
 
 }  // namespace runcert

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/geodesy.h"
-#include "schemas/enu/declared.h"
+#include "schemas/enu/frame_origin.h"
 
 namespace runcert {
 

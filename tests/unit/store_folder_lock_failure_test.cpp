@@ -41,7 +41,8 @@ TEST(FolderLockFailure, AFileSystemWithoutLocksHasARemedy) {
         if (process == 0) {
             refuse_flock(error);
             try {
-                FolderLock::try_lock(file, LockKind::exclusive);
+                FolderLock::try_lock(Folder(file.parent_path()), file.filename().string(),
+                                     LockKind::exclusive);
             } catch (const Failure& failure) {
                 _exit(failure.where() == file.string() &&
                               failure.problem().find("has no locks") != std::string::npos &&

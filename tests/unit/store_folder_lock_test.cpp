@@ -57,10 +57,24 @@ class OtherProcess {
     pid_t process_ = -1;
 };
 
+Folder folder_of_lock(const fs::path& file) {
+    make_directory(file.parent_path());
+    return Folder(file.parent_path());
+}
+
+FolderLock::Attempt try_lock(const fs::path& file, LockKind kind) {
+    return FolderLock::try_lock(folder_of_lock(file), file.filename().string(), kind);
+}
+
+template <class... More>
+std::optional<FolderLock> wait_lock(const fs::path& file, LockKind kind, const More&... more) {
+    return FolderLock::wait_lock(folder_of_lock(file), file.filename().string(), kind, more...);
+}
+
 class FolderLocks : public testing::Test {
   protected:
     FolderLock::Attempt attempt(LockKind kind = LockKind::exclusive) const {
-        return FolderLock::try_lock(file_, kind);
+        return try_lock(file_, kind);
     }
     TemporaryFolder folder_;
     fs::path file_ = folder_.path() / "locks" / "day";
@@ -70,7 +84,7 @@ class FolderLocks : public testing::Test {
 std::function<void()> holder_of(const fs::path& file, LockKind kind) {
     return [file, kind] {
         static std::optional<FolderLock> held;
-        FolderLock::Attempt taken = FolderLock::try_lock(file, kind);
+        FolderLock::Attempt taken = try_lock(file, kind);
         if (!taken.lock) _exit(1);
         held.emplace(std::move(*taken.lock));
     };
@@ -199,8 +213,7 @@ TEST_F(FolderLocks, OneAtATimeOfManyProcesses) {
     test::spill(count, "0");
     in_processes(8, [&] {
         for (int i = 0; i < 5; ++i) {
-            const auto lock =
-                FolderLock::wait_lock(file_, LockKind::exclusive, std::stop_source().get_token());
+            const auto lock = wait_lock(file_, LockKind::exclusive, std::stop_source().get_token());
             add_one(count);
         }
     });
@@ -230,9 +243,8 @@ TEST_F(FolderLocks, WaitingSaysForWhomAndEndsWhenItIsFree) {
         std::this_thread::sleep_for(700ms);
         other.end();
     });
-    const auto lock =
-        FolderLock::wait_lock(file_, LockKind::exclusive, std::stop_source().get_token(),
-                              [&](const std::string& who) { told.push_back(who); });
+    const auto lock = wait_lock(file_, LockKind::exclusive, std::stop_source().get_token(),
+                                [&](const std::string& who) { told.push_back(who); });
     ends.join();
     EXPECT_TRUE(lock);
     ASSERT_EQ(told.size(), 1U);
@@ -246,7 +258,7 @@ TEST_F(FolderLocks, WaitingCanBeStopped) {
         std::this_thread::sleep_for(100ms);
         source.request_stop();
     });
-    const auto lock = FolderLock::wait_lock(file_, LockKind::exclusive, source.get_token());
+    const auto lock = wait_lock(file_, LockKind::exclusive, source.get_token());
     asks.join();
     EXPECT_FALSE(lock);
 }

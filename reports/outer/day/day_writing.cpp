@@ -42,8 +42,11 @@ FileView read_noted(const DayOutcome& of, const fs::path& out, const std::string
                                   "expected {}",
                                   found.sha256, known->second),
                       "Run the batch again, which certifies the attempt again");
-    header.inputs.push_back(
-        {.role = role, .file = file, .sha256 = found.sha256, .bytes = found.bytes, .original = {}});
+    header.inputs.push_back({.role = role,
+                             .file = file,
+                             .sha256 = found.sha256,
+                             .bytes = static_cast<std::int64_t>(found.bytes),
+                             .original = {}});
     return view;
 }
 

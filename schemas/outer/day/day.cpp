@@ -154,10 +154,8 @@ const DocumentSchema& day_schema() {
 
 DayFile read_day_file(std::string_view text, const std::string& where) {
     const YamlValue document = read_input(text, where, day_schema());
-    DayFile day{.id = document["id"].text_or(""), .entries = {}};
-    if (document["id"].exists() && !is_id(day.id))
-        document["id"].fail(fmt::format("\"{}\" cannot be an id", escape_for_message(day.id)),
-                            "Use 1 to 64 letters, digits, - and _, not beginning with -");
+    DayFile day;
+    if (document["id"].exists()) day.id = read_id(document["id"]);
     require_known_defaults(document["defaults"]);
     for (const YamlValue& value : document["attempts"].list()) {
         DayEntry entry{.line = value.node().mark().line + 1, .place = value.place()};

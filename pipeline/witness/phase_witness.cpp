@@ -8,9 +8,9 @@
 
 namespace runcert {
 
-std::optional<Eigen::Vector3d> place_by_pseudoranges(const PhaseRecord& record,
-                                                     const PhaseEpoch& epoch,
-                                                     const Eigen::Vector3d& near_m) {
+std::optional<Eigen::Vector3d> position_by_pseudoranges(const PhaseRecord& record,
+                                                        const PhaseEpoch& epoch,
+                                                        const Eigen::Vector3d& near_m) {
     std::vector<CodeMeasurement> code;
     for (const PhaseSatellite& satellite : record.of(epoch)) {
         if (!satellite.has_orbit() || !satellite.healthy) continue;
@@ -31,8 +31,8 @@ std::optional<Eigen::Vector3d> place_by_pseudoranges(const PhaseRecord& record,
 void locate_by_pseudoranges(PhaseRecord& record) {
     Eigen::Vector3d last_m = Eigen::Vector3d::Zero();
     for (PhaseEpoch& epoch : record.epochs) {
-        if (epoch.has_place()) continue;
-        if (const auto place_m = place_by_pseudoranges(record, epoch, last_m)) last_m = *place_m;
+        if (epoch.has_position()) continue;
+        if (const auto place_m = position_by_pseudoranges(record, epoch, last_m)) last_m = *place_m;
         epoch.receiver_m = last_m;
     }
 }
@@ -97,9 +97,9 @@ std::optional<PhaseDisplacement> solved(const SpanningPhases& phases,
                                         const PhaseScreening& screening, const PhaseEpoch& from,
                                         const PhaseEpoch& to) {
     const std::size_t count = phases.changes.size();
-    if (!from.has_place() || count < least_witnesses || count > most_phase_changes)
+    if (!from.has_position() || count < least_witnesses || count > most_phase_changes)
         return std::nullopt;
-    return phase_displacement(phases.changes, receiver_place(from.receiver_m),
+    return phase_displacement(phases.changes, receiver_position(from.receiver_m),
                               seconds_between(from, to), {.white_m = screening.noise.white_m});
 }
 

@@ -260,27 +260,27 @@ EpochRange reach_of(const std::vector<ScreenedEpoch>& rows, std::span<const std:
     const double rate = sides.rate.norm();
     // Recorded velocities, where they exist, test positions further away, and each window by
     // itself.
-    constexpr double beside_velocities_s = 10.0;
+    constexpr double reach_of_velocities_s = 10.0;
     const bool witnessed = has_velocities(rows, arc_rows, sides.before, sides.axes) &&
                            has_velocities(rows, arc_rows, sides.after, sides.axes);
-    const double reach_s = witnessed    ? beside_velocities_s
+    const double reach_s = witnessed    ? reach_of_velocities_s
                            : rate > 0.0 ? largest_error_m / rate
                                         : std::numeric_limits<double>::infinity();
     const VouchedSide vouched = vouched_side(rows, arc_rows, ramp, sides);
-    const auto goes_on = [&](std::size_t k, int direction) {
+    const auto continues = [&](std::size_t k, int direction) {
         return away_s(rows, arc_rows, k, ramp.first) <= reach_s &&
                !stands_still(rows, arc_rows, k, direction, sides);
     };
     EpochRange reach{ramp.first, ramp.first};
     if (vouched != VouchedSide::before) {
         while (reach.first > 0 && !decisions.breaks[reach.first - 1] &&
-               goes_on(reach.first - 1, -1))
+               continues(reach.first - 1, -1))
             --reach.first;
         if (reach.first > 0 && decisions.breaks[reach.first - 1]) --reach.first;
     }
     if (vouched != VouchedSide::after)
         while (++reach.last < arc_rows.size() && !decisions.breaks[reach.last] &&
-               goes_on(reach.last, 1)) {
+               continues(reach.last, 1)) {
         }
     return reach;
 }

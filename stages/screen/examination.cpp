@@ -58,7 +58,7 @@ class ArcExamination {
     ArcExamination(const Arc<Axes>& arc, const ArcSection& section, const EstimationModel& model,
                    const TestPlan& plan)
         : epochs_(std::span(arc.epochs)
-                      .subspan(section.taken_first, section.taken_end - section.taken_first)),
+                      .subspan(section.used_first, section.used_end - section.used_first)),
           plan_(plan),
           diagnosis_(epochs_, model),
           factors_(local_variance_factors(diagnosis_)) {}
@@ -207,7 +207,7 @@ void examine_section(const Arc<2>& arc, const Arc<1>* heights, const ArcSection&
         const std::size_t to = std::min(from + block, section.end);
         for (std::size_t k = from; k < to; ++k) {
             const std::size_t row = arc.rows[k];
-            motion[row] = examine(k - section.taken_first, noises, *plane, height, table.rows[row]);
+            motion[row] = examine(k - section.used_first, noises, *plane, height, table.rows[row]);
         }
     });
 }

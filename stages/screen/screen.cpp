@@ -178,10 +178,10 @@ bool handed_in_contradict(ScreenedTable& screened, const Motion& motion, const H
     const std::vector<TimedPosition<2>> positions = timed_positions<2>(screened.rows);
     for (const WitnessEntry& entry : witness_roster()) {
         if (!entry.screening) continue;
-        const auto heard = handed_in_witness(entry, given, positions, track,
-                                             check.noises.horizontal.model.motion.jerk_density);
-        if (heard && !heard->is_copy &&
-            contradicts(screened, {.kind = entry.kind, .witness = heard->motion.get()}, check,
+        const auto witness = handed_in_witness(entry, given, positions, track,
+                                               check.noises.horizontal.model.motion.jerk_density);
+        if (witness && !witness->is_copy &&
+            contradicts(screened, {.kind = entry.kind, .witness = witness->motion.get()}, check,
                         basis))
             return true;
     }
@@ -202,17 +202,17 @@ bool limits_are_broken(ScreenedTable& screened, const Motion& motion, const ArcC
 /// Asks the witnesses in turn. Their marks change the motion, so that they are asked again, for a
 /// few rounds. The physical limits hold for every epoch that is left, however many rounds it takes.
 Motion check_witnesses_and_limits(ScreenedTable& screened, const ArcCheck& check,
-                                  const ScreeningWitnesses& beside, ScreeningBasis& basis) {
+                                  const ScreeningWitnesses& witnesses, ScreeningBasis& basis) {
     constexpr int rounds = 4;
     const auto examined = [&] {
         return examine_arcs(screened, check.noises, check.plan, check.config.section_epochs);
     };
     for (int round = 0; round < rounds; ++round) {
         finish_arcs(screened, check.config);
-        if (phases_contradict(screened, beside.phases, check, basis)) continue;
+        if (phases_contradict(screened, witnesses.phases, check, basis)) continue;
         Motion motion = examined();
         if (velocities_contradict(screened, motion, check, basis) ||
-            handed_in_contradict(screened, motion, beside.handed_in, check, basis) ||
+            handed_in_contradict(screened, motion, witnesses.handed_in, check, basis) ||
             limits_are_broken(screened, motion, check, basis))
             continue;
         return motion;
@@ -251,12 +251,12 @@ void add_changes_of_place(const std::vector<ScreenedEpoch>& rows, const FrameOri
 /// What there is to test. A witness is compared over 3 s and 10 s, and between neighbouring epochs
 /// where it is precise enough; recorded velocities also with the smoothed motion.
 TestedData tested_data(const EnuTable& table, const ScreenConfig& config,
-                       const ScreeningWitnesses& beside, bool second_receiver) {
+                       const ScreeningWitnesses& witnesses, bool second_receiver) {
     const bool heights = table.facts.vertical_measured;
     const PhysicalLimits& limits = config.limits;
     TestedData data{.position_series = heights ? 2 : 1,
                     .baseline_series = second_receiver ? 2 : 0,
-                    .comparisons = (heights && beside.ground != nullptr) +
+                    .comparisons = (heights && witnesses.ground != nullptr) +
                                    (limits.acceleration_m_s2 > 0.0) + (limits.jerk_m_s3 > 0.0) +
                                    (heights && limits.vertical_rate_m_s > 0.0)};
     const auto recorded = [&](bool upright) {
@@ -271,8 +271,8 @@ TestedData tested_data(const EnuTable& table, const ScreenConfig& config,
             entry.kind == WitnessKind::receiver     ? second_receiver
             : entry.kind == WitnessKind::velocities ? velocities
             : entry.kind == WitnessKind::phases
-                ? beside.phases != nullptr
-                : beside.handed_in.series.contains(std::string(to_text(entry.kind)));
+                ? witnesses.phases != nullptr
+                : witnesses.handed_in.series.contains(std::string(to_text(entry.kind)));
         if (entry.screening && is_there)
             data.comparisons += 2 + (entry.screening->single_epochs ? 1 : 0) +
                                 (entry.kind == WitnessKind::velocities ? 1 : 0);
@@ -281,7 +281,7 @@ TestedData tested_data(const EnuTable& table, const ScreenConfig& config,
 }
 
 ReceiverScreening screen_alone(const EnuTable& table, const ScreenConfig& config,
-                               const ScreeningWitnesses& beside, bool second_receiver) {
+                               const ScreeningWitnesses& witnesses, bool second_receiver) {
     ScreenedTable screened;
     screened.facts = table.facts;
     screened.origin = table.origin;
@@ -304,7 +304,7 @@ ReceiverScreening screen_alone(const EnuTable& table, const ScreenConfig& config
     number_arcs(screened.rows, seams, nominal_interval_s, config);
     TestPlan plan(config.family_false_alarm_rate,
                   std::max<std::int64_t>(1, summarise(screened.rows).usable) *
-                      tests_of_an_epoch(tested_data(table, config, beside, second_receiver),
+                      tests_of_an_epoch(tested_data(table, config, witnesses, second_receiver),
                                         config.burst_epochs_max),
                   config.power, config.burst_epochs_max, config.limits.acceleration_m_s2);
     ScreeningBasis basis;
@@ -332,9 +332,10 @@ ReceiverScreening screen_alone(const EnuTable& table, const ScreenConfig& config
     test_positions(screened, noises, plan, config, basis);
     basis.speeds = screen_speeds(screened.rows, plan, noises.horizontal.model.motion.jerk_density,
                                  config, nominal_interval_s);
-    if (beside.ground != nullptr) basis.surface = check_surface(screened, *beside.ground, plan);
+    if (witnesses.ground != nullptr)
+        basis.surface = check_surface(screened, *witnesses.ground, plan);
     Motion motion = check_witnesses_and_limits(
-        screened, {.noises = noises, .plan = plan, .config = config}, beside, basis);
+        screened, {.noises = noises, .plan = plan, .config = config}, witnesses, basis);
     screened.basis = std::move(basis);
     return {.table = std::move(screened),
             .noises = std::move(noises),
@@ -388,17 +389,17 @@ ScreenConfig screen_config(const Attempt& attempt) {
 }
 
 ScreenedTable screen(const EnuTable& table, const ScreenConfig& config,
-                     const ScreeningWitnesses& beside) {
-    return screen_alone(table, config, beside, false).table;
+                     const ScreeningWitnesses& witnesses) {
+    return screen_alone(table, config, witnesses, false).table;
 }
 
 std::vector<ScreenedTable> screen_receivers(std::span<const EnuTable> tables,
                                             const ScreenConfig& config,
-                                            std::span<const ScreeningWitnesses> beside) {
+                                            std::span<const ScreeningWitnesses> witnesses) {
     std::vector<ReceiverScreening> receivers;
     for (std::size_t i = 0; i < tables.size(); ++i)
         receivers.push_back(screen_alone(tables[i], config,
-                                         beside.empty() ? ScreeningWitnesses{} : beside[i],
+                                         witnesses.empty() ? ScreeningWitnesses{} : witnesses[i],
                                          tables.size() > 1));
     if (receivers.size() > 1) {
         ReceiverScreening &first = receivers[0], &second = receivers[1];

@@ -201,7 +201,7 @@ class StretchTests {
     static constexpr double share_of_hard_motion = 0.3;
 
     template <int Size>
-    static bool is_told(const ScoreTest<Size>& test, double largest_sigma) {
+    static bool is_determined(const ScoreTest<Size>& test, double largest_sigma) {
         return test.covariance().trace() < Size * largest_sigma * largest_sigma;
     }
 
@@ -210,7 +210,7 @@ class StretchTests {
                   std::size_t first, std::size_t last, std::vector<Candidate>& found) const {
         const double statistic = test.statistic() / factors_[first];
         if (!(statistic > plan_.critical(Size))) return;
-        if (!is_told(test, largest_sigma)) return;
+        if (!is_determined(test, largest_sigma)) return;
         found.push_back({.log_tail = log_chi_squared_upper_tail(statistic, Size),
                          .hypothesis = hypothesis,
                          .first = first,
@@ -245,7 +245,7 @@ class StretchTests {
             const ScoreTest<Axes> test = diagnosis_.manoeuvre(k);
             const double statistic = test.statistic() / factors_[k];
             if (!(statistic > support) || (best && statistic <= best->statistic)) continue;
-            if (!is_told(test, largest_sigma_m_s2) ||
+            if (!is_determined(test, largest_sigma_m_s2) ||
                 test.estimate().norm() > plan_.manoeuvre_max_m_s2())
                 continue;
             best = Candidate{.log_tail = log_chi_squared_upper_tail(statistic, Axes),
@@ -283,9 +283,9 @@ struct SectionTests {
     SectionTests(const TestedStretch<Axes>& stretch, const ArcSection& of,
                  const EstimationModel& model, const TestPlan& plan)
         : section(of),
-          part{.first = stretch.first + of.taken_first,
-               .epochs = {stretch.epochs.begin() + static_cast<std::ptrdiff_t>(of.taken_first),
-                          stretch.epochs.begin() + static_cast<std::ptrdiff_t>(of.taken_end)}},
+          part{.first = stretch.first + of.used_first,
+               .epochs = {stretch.epochs.begin() + static_cast<std::ptrdiff_t>(of.used_first),
+                          stretch.epochs.begin() + static_cast<std::ptrdiff_t>(of.used_end)}},
           tests(part, model, plan) {}
     SectionTests(const SectionTests&) = delete;  // the tests refer to `part`
     SectionTests& operator=(const SectionTests&) = delete;
@@ -297,10 +297,10 @@ struct SectionTests {
 
 /// The tests of a stretch, one section at a time. Only the last one used is kept.
 template <int Axes>
-class SectionLooks {
+class SectionTestsCache {
   public:
-    SectionLooks(const TestedStretch<Axes>& stretch, const EstimationModel& model,
-                 const TestPlan& plan)
+    SectionTestsCache(const TestedStretch<Axes>& stretch, const EstimationModel& model,
+                      const TestPlan& plan)
         : stretch_(stretch), model_(model), plan_(plan) {}
 
     const SectionTests<Axes>& at(const ArcSection& section) {
@@ -319,12 +319,12 @@ class SectionLooks {
 };
 
 /// Whether a candidate begins in the epochs whose tests the section decides.
-inline bool answers_for(const ArcSection& section, const Candidate& candidate) {
+inline bool decides_on(const ArcSection& section, const Candidate& candidate) {
     return candidate.first >= section.first && candidate.first < section.end;
 }
 
 /// A candidate whose epoch numbers are increased by `on` and decreased by `back`.
-inline Candidate moved(Candidate candidate, std::size_t on, std::size_t back) {
+inline Candidate shifted(Candidate candidate, std::size_t on, std::size_t back) {
     candidate.first = candidate.first + on - back;
     candidate.last = candidate.last + on - back;
     return candidate;

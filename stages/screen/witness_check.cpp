@@ -138,9 +138,9 @@ void for_contradicted(const IntervalDifferences& differences, double threshold,
             length = 0;
             continue;
         }
-        const bool goes_on = length > 0 && follow(differences[i - 1], one) &&
-                             (differences[i - 1].value_m.dot(one.value_m) < 0.0) == opposite;
-        length = goes_on ? length + 1 : 1;
+        const bool continues = length > 0 && follow(differences[i - 1], one) &&
+                               (differences[i - 1].value_m.dot(one.value_m) < 0.0) == opposite;
+        length = continues ? length + 1 : 1;
         if (length < consecutive) continue;
         // All of the first run, then one more at a time.
         for (std::size_t k = length == consecutive ? i + 2 - consecutive : i; k <= i; ++k)

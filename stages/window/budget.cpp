@@ -10,7 +10,7 @@
 #include "core/geodesy.h"
 #include "stages/window/reliability.h"
 #include "witness/antenna_swing.h"
-#include "witness/going_on.h"
+#include "witness/continuity.h"
 
 namespace runcert {
 BudgetRow bounded_row(std::string symbol, std::string source, double half_width, std::string unit,
@@ -57,7 +57,7 @@ std::vector<BudgetRow> position_rows(const BudgetInput& input) {
         (input.vertical ? estimation.vertical.value() : estimation.horizontal).noise;
     const double scale = fit.measurement_scale.value;
     BudgetRow white = speed_row(
-        "w", "white noise of the positions", "A", input.noise.white_m_s, RowScope::source,
+        "w", "white noise of the positions", "A", input.measured.white_m_s, RowScope::source,
         fmt::format("{:.3f} times the stated standard deviations, as the data show", scale));
     white.degrees_of_freedom = degrees_of(fit.measurement_scale);
     rows.push_back(std::move(white));
@@ -65,7 +65,7 @@ std::vector<BudgetRow> position_rows(const BudgetInput& input) {
     const bool fitted = input.bound.decided_by == BoundSource::fitted;
     BudgetRow slow =
         speed_row("b", "time-correlated error of the positions", fitted ? "A" : "B",
-                  input.noise.correlated_m_s, RowScope::slow,
+                  input.measured.correlated_m_s, RowScope::slow,
                   fmt::format("standard deviation {:.4f} m ({}), any correlation time from {:g} s "
                               "to {:g} s",
                               input.bound.sigma_m, to_text(input.bound.decided_by),
@@ -74,13 +74,13 @@ std::vector<BudgetRow> position_rows(const BudgetInput& input) {
     rows.push_back(std::move(slow));
 
     BudgetRow motion = speed_row(
-        "j", "motion of the craft between the measurements", "A", input.noise.motion_m_s,
+        "j", "motion of the craft between the measurements", "A", input.measured.motion_m_s,
         RowScope::source,
         fmt::format("jerk density {:.4f} m s^-2.5 at the window", largest_jerk_density(input)));
     motion.degrees_of_freedom = degrees_of(fit.jerk_density);
     rows.push_back(std::move(motion));
     rows.push_back(bounded_row(
-        "o", "choice of the model of the motion", input.noise.model_m_s, "m / s", 1.0,
+        "o", "choice of the model of the motion", input.measured.model_m_s, "m / s", 1.0,
         RowScope::source,
         "other jerk densities, and the measured positions at the window's ends without a model"));
     return rows;
@@ -127,7 +127,7 @@ BudgetRow time_row(const BudgetInput& input) {
     BudgetRow row = bounded_row(
         "t", "time stamps of the window's ends", half_width_s, "s",
         input.recorded ? input.recorded->changes_m_s2.value_or(0.0)
-                       : -input.noise.speed.speed_m_s / input.duration_s,
+                       : -input.measured.speed.speed_m_s / input.duration_s,
         RowScope::source,
         regular ? std::string("stamps are whole multiples of the interval: what rounding may have "
                               "cut off is the same at both ends")
@@ -159,7 +159,7 @@ BudgetRow clock_row(const BudgetInput& input) {
     const bool unknown = source == "unknown";
     BudgetRow row = bounded_row(
         "k", "rate of the clock that made the time stamps",
-        unknown ? input.config.clock_rate_bound : 0.0, "1", -input.noise.speed.speed_m_s,
+        unknown ? input.config.clock_rate_bound : 0.0, "1", -input.measured.speed.speed_m_s,
         RowScope::window,
         source == "satellites" ? std::string("the satellites' time, as the format has it")
         : source == "attempt"  ? std::string("the satellites' time, as the attempt states")
@@ -188,7 +188,7 @@ BudgetRow resolution_row(const BudgetInput& input) {
 }
 
 BudgetRow plane_row(const BudgetInput& input) {
-    const double speed_m_s = input.noise.speed.speed_m_s;
+    const double speed_m_s = input.measured.speed.speed_m_s;
     const bool georeferenced = input.trajectory.facts.georeferenced;
     double half_width = input.config.plane_scale_bound;
     std::string note =
@@ -218,7 +218,7 @@ std::optional<BudgetRow> height_row(const BudgetInput& input) {
     const double bound_m = input.config.height_bound_m;
     return bounded_row(
         "h", "height of the course, as the attempt states it", bound_m, "m",
-        input.noise.speed.speed_m_s / earth_mean_radius_m, RowScope::window,
+        input.measured.speed.speed_m_s / earth_mean_radius_m, RowScope::window,
         fmt::format("not measured; {:g} m allowed for, by parameter window.height_bound_m",
                     bound_m));
 }
@@ -261,7 +261,7 @@ BudgetRow length_row(const SurveyedLength& length, double duration_s) {
 BudgetRow antenna_row(const BudgetInput& input) {
     if (const auto& motion = input.config.antenna_motion)
         return bounded_row("a", "motion of the antenna against the craft",
-                           swing_bound_m_s(*motion, std::abs(input.noise.speed.speed_m_s),
+                           swing_bound_m_s(*motion, std::abs(input.measured.speed.speed_m_s),
                                            input.duration_s, input.by_path),
                            "m / s", 1.0, RowScope::antenna,
                            fmt::format("antenna {:g} m above the craft, roll of at most {:g} and "

@@ -6,7 +6,7 @@
 #include "schemas/attempt/attempt.h"
 #include "schemas/trajectory/declared.h"
 #include "stages/window/craft_speeds.h"
-#include "stages/window/position_noise.h"
+#include "stages/window/position_speed.h"
 #include "stages/window/window.h"
 #include "stages/window/window_fault.h"
 
@@ -37,7 +37,7 @@ struct RecordedSource {
 struct BudgetInput {
     const TrajectoryTable& trajectory;
     const WindowConfig& config;
-    const PositionNoise& noise;
+    const PositionSpeed& measured;
     const ErrorBound& bound;
     const SelectionBias& selection;
 
@@ -58,7 +58,7 @@ struct BudgetInput {
     /// Set where the speed is that of the craft's reference point.
     std::optional<CraftCorrection> craft = std::nullopt;
     std::optional<RecordedSource> recorded = std::nullopt;
-    /// Factor on the rows of the positions when combined with witnesses (`beside_witnesses`).
+    /// Factor on the rows of the positions when combined with witnesses (`combine_with_witnesses`).
     double position_share = 1.0;
 };
 
@@ -84,9 +84,9 @@ BudgetRow bounded_row(std::string symbol, std::string source, double half_width,
 /// q calibration (only where its certificate states an uncertainty of speed), d undetected error, f
 /// choice of the fastest window. Of recorded velocities: w white noise, b errors shorter than ten
 /// seconds, u lasting errors, p their scale, t, l delay, k, r, q, d, f. Witnesses add rows g, e and
-/// s (`beside_witnesses`) and x, what the mixture of faults asks for beyond all others. Each row
-/// has the unit of its own quantity; all contributions are in m/s. Quantities known by a half width
-/// are rectangular ([GUM] 4.3.7).
+/// s (`combine_with_witnesses`) and x, what the mixture of faults asks for beyond all others. Each
+/// row has the unit of its own quantity; all contributions are in m/s. Quantities known by a half
+/// width are rectangular ([GUM] 4.3.7).
 ///
 /// The half width of the horizontal frame's scale is half the square of the distance from the
 /// origin in Earth radii. Without a georeference it is `config.plane_scale_bound`. That of a stated

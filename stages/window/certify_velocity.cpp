@@ -183,7 +183,7 @@ std::optional<double> largest_undetected(const ScreenedTable& screened, Dimensio
     for (const DetectableSpeed& one : tested->detectable)
         largest_m_s = std::max(
             largest_m_s, one.size_m_s * std::min(1.0, static_cast<double>(one.samples) / samples));
-    return std::min(largest_m_s, largest_error_beside(positions));
+    return std::min(largest_m_s, largest_error_given(positions));
 }
 
 SelectionBias selection_of(const VelocityEstimate& estimate, const WindowChoice& choice,
@@ -238,7 +238,7 @@ RecordedSource source_of(const VelocityEstimate& estimate, const WindowChoice& c
 CertifiableWindow described(const VelocityEstimate& estimate, const WindowChoice& choice) {
     const FoundWindow& found = choice.found;
     const ArcRows& arc = estimate.rows[found.series];
-    CertifiableWindow window = placed(estimate.trajectory, arc, found);
+    CertifiableWindow window = window_at(estimate.trajectory, arc, found);
     const TrajectoryEpoch& first = estimate.trajectory.rows[arc.rows[found.first]];
     const TrajectoryEpoch& last = estimate.trajectory.rows[arc.rows[found.last]];
     window.length_m = found.length_m;
@@ -263,7 +263,8 @@ bool states_velocity_accuracy(const ScreenedTable& screened, const ArcRows& arc,
     return true;
 }
 
-CertifiableWindow certified(const VelocityEstimate& estimate, const WindowChoice& choice) {
+CertifiableWindow certify_by_velocities(const VelocityEstimate& estimate,
+                                        const WindowChoice& choice) {
     const FoundWindow& found = choice.found;
     const TrajectoryTable& trajectory = estimate.trajectory;
     const ArcRows& arc = estimate.rows[found.series];
@@ -294,12 +295,12 @@ CertifiableWindow certified(const VelocityEstimate& estimate, const WindowChoice
             : largest_undetected(estimate.screened, dimension, samples_of(found), positions);
     source.undetected = undetected_text(errors.slow, largest_m_s, estimate.screened.basis.power);
     const SelectionBias selection = selection_of(estimate, choice, errors);
-    const PositionNoise speed{.speed = {.speed_m_s = found.speed_m_s}};
+    const PositionSpeed speed{.speed = {.speed_m_s = found.speed_m_s}};
     const ErrorBound no_bound;
     const BudgetInput input{
         .trajectory = trajectory,
         .config = estimate.config,
-        .noise = speed,
+        .measured = speed,
         .bound = no_bound,
         .selection = selection,
         .first_row = arc.rows[found.first],

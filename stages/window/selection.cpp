@@ -126,7 +126,7 @@ class LegByPositions {
         std::vector<EpochPair> windows;
         for (std::size_t first = 0; first < leg.windows.size(); first += every) {
             const std::size_t end = std::min(first + every, leg.windows.size());
-            EpochPair kept;
+            EpochPair representative;
             Eigen::VectorXd velocity;
             double highest = -std::numeric_limits<double>::infinity(), allowance = 0.0;
             bool is_chosen = false;
@@ -142,7 +142,7 @@ class LegByPositions {
                 const double assured = moved.norm() - found.allowance_m_s;
                 is_chosen = w == leg.chosen;
                 if (!is_chosen && w > first && !(assured > highest)) continue;
-                kept = window;
+                representative = window;
                 velocity = moved;
                 highest = assured;
                 allowance = found.allowance_m_s;
@@ -152,7 +152,7 @@ class LegByPositions {
                                          velocity.end());
             rivals.allowances_m_s.push_back(allowance);
             rivals.legs.push_back(number);
-            windows.push_back(kept);
+            windows.push_back(representative);
         }
         const auto rows = std::ssize(windows) * rivals.components;
         stated_.resize(rows, columns);

@@ -83,7 +83,7 @@ struct Session {
             .profile = profile, .found = all[which], .all = all, .quantity = {}, .extent = extent};
     }
     CertifiableWindow certified(std::size_t which = 0) const {
-        return runcert::certified(estimate(), choice(which));
+        return certify_by_velocities(estimate(), choice(which));
     }
 };
 

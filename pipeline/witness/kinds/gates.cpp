@@ -135,7 +135,7 @@ std::optional<GateWitness> gate_witness(std::span<const TimedValue> passages,
 namespace witnesses {
 namespace {
 
-std::optional<HeardWitness<2>> make_gates(const HandedInSeries& given) {
+std::optional<AssessedWitness<2>> make_gates(const HandedInSeries& given) {
     const GateSeries& said = given.attempt.gates.value();
     const std::vector<TimedValue> passages_m = timed_values(given.series);
     auto gates = gate_witness(passages_m,
@@ -150,7 +150,7 @@ std::optional<HeardWitness<2>> make_gates(const HandedInSeries& given) {
              .length_m = passages_m[i].value - passages_m[i - 1].value});
     const bool made = gates->agrees_too_well() || made_from(ways, given.positions);
     const auto original = source_of(ways, given.sources);
-    return HeardWitness<2>{
+    return AssessedWitness<2>{
         .kind = WitnessKind::gates,
         .motion = std::make_shared<const GateWitness>(*std::move(gates)),
         .note = made ? "The gates agree with the positions better than the errors of either allow: "

@@ -141,13 +141,13 @@ std::vector<WheelRun> runs_of(const std::vector<FastSpan>& spans) {
 /// the speed then does not count as an error of the wheel.
 std::vector<TimedVelocity<2>> as_fitted(std::vector<TimedVelocity<2>> samples,
                                         const std::vector<WheelRun>& runs) {
-    const auto beside_s = [](const WheelRun& run, double time_s) {
+    const auto apart_s = [](const WheelRun& run, double time_s) {
         return std::max({0.0, run.span.first_s - time_s, time_s - run.span.last_s});
     };
     if (runs.empty()) return samples;
     for (TimedVelocity<2>& one : samples)
         one.velocity *= std::ranges::min_element(runs, {}, [&](const WheelRun& run) {
-                            return beside_s(run, one.time_s);
+                            return apart_s(run, one.time_s);
                         })->scale;
     return samples;
 }
@@ -317,7 +317,7 @@ std::string wheel_note(const WheelWitness& wheel, const WheelSpeeds& speeds) {
 namespace witnesses {
 namespace {
 
-std::optional<HeardWitness<2>> make_wheel(const HandedInSeries& given) {
+std::optional<AssessedWitness<2>> make_wheel(const HandedInSeries& given) {
     const WheelSeries& said = given.attempt.wheel.value();
     const WheelSpeeds speeds{
         .m_s = timed_values(given.series),
@@ -329,7 +329,7 @@ std::optional<HeardWitness<2>> make_wheel(const HandedInSeries& given) {
         made_from(speeds.m_s, given.positions, wheel->delay_s) == VelocityOrigin::positions)
         wheel->made_from_positions = true;
     const auto original = source_of(speeds.m_s, given.sources, wheel->delay_s);
-    return HeardWitness<2>{
+    return AssessedWitness<2>{
         .kind = WitnessKind::wheel,
         .motion = std::make_shared<const WheelMotion>(std::move(wheel->motion)),
         .note = original ? copy_text("wheel's speeds", *original) : wheel_note(*wheel, speeds),

@@ -126,14 +126,14 @@ class Screen {
                 if (change) doppler.push_back(std::abs(*change));
             if (pairs.size() <= fewest_satellites || !record_.epochs[i - 1].has_position())
                 continue;
-            const auto moved = pairs_.displacement(i, pairs, {});
-            if (!moved) continue;
+            const auto solution = pairs_.displacement(i, pairs, {});
+            if (!solution) continue;
             ++result_.noise.pairs;
             // A residual shows only the part of an error that the estimate does not absorb.
-            const double seen = std::sqrt(static_cast<double>(moved->redundancy) /
+            const double seen = std::sqrt(static_cast<double>(solution->redundancy) /
                                           static_cast<double>(pairs.size()));
             for (std::size_t j = 0; j < pairs.size(); ++j)
-                white_m.push_back(std::abs(moved->residuals_m[static_cast<Eigen::Index>(j)]) /
+                white_m.push_back(std::abs(solution->residuals_m[static_cast<Eigen::Index>(j)]) /
                                   seen / zenith_factor(pairs[j].now->sine_of_elevation));
         }
         const auto deviation = [](std::vector<double>& values) -> std::optional<double> {

@@ -56,8 +56,8 @@ std::optional<std::size_t> PhaseWitness<Axes>::nearest(double record_s) const {
 }
 
 template <int Axes>
-std::optional<WitnessedDisplacement> PhaseWitness<Axes>::moved(std::size_t first,
-                                                               std::size_t second) const {
+std::optional<WitnessedDisplacement> PhaseWitness<Axes>::displacement(std::size_t first,
+                                                                      std::size_t second) const {
     auto found = displacement_between(phases_->record, phases_->screening, first, second);
     const double by_tags_s = record_time_s(second) - record_time_s(first);
     if (!found || std::abs(found->interval_s - by_tags_s) > largest_drift_s) return std::nullopt;
@@ -77,8 +77,8 @@ std::optional<typename PhaseWitness<Axes>::Instant> PhaseWitness<Axes>::instant_
     constexpr double same_s = 1e-6;
     if (std::abs(beyond_s) <= same_s) return instant;
     if (*epoch == 0 || *epoch + 1 == phases_->record.epochs.size()) return std::nullopt;
-    const auto before = moved(*epoch - 1, *epoch);
-    const auto after = moved(*epoch, *epoch + 1);
+    const auto before = displacement(*epoch - 1, *epoch);
+    const auto after = displacement(*epoch, *epoch + 1);
     if (!before || !after) return std::nullopt;
     const double h0 = record_time_s(*epoch) - record_time_s(*epoch - 1);
     const double h1 = record_time_s(*epoch + 1) - record_time_s(*epoch);
@@ -112,7 +112,7 @@ std::optional<WitnessedMotion<Axes>> PhaseWitness<Axes>::between(double from_s, 
     const auto from = instant_at(from_s);
     const auto to = instant_at(to_s);
     if (!from || !to || from->epoch >= to->epoch) return std::nullopt;
-    const auto found = moved(from->epoch, to->epoch);
+    const auto found = displacement(from->epoch, to->epoch);
     if (!found) return std::nullopt;
     const Eigen::Matrix3d turn = turn_at(from->epoch);
     const Eigen::Vector3d displacement_m = turn * (found->enu_m + to->beyond_m - from->beyond_m);
@@ -145,7 +145,7 @@ std::optional<double> PhaseWitness<Axes>::path_between(double from_s, double to_
         return (turn * enu_m).eval().template segment<Axes>(first).norm();
     };
     for (std::size_t k = from->epoch; k < to->epoch; ++k) {
-        const auto step = moved(k, k + 1);
+        const auto step = displacement(k, k + 1);
         if (!step) return std::nullopt;
         path_m += length_of(step->enu_m);
     }

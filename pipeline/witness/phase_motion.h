@@ -70,7 +70,7 @@ class PhaseWitness final : public Witness<Axes> {
     std::optional<std::size_t> nearest(double record_s) const;
     std::optional<Instant> instant_at(double time_s) const;
     double record_time_s(std::size_t epoch) const;
-    std::optional<WitnessedDisplacement> moved(std::size_t first, std::size_t second) const;
+    std::optional<WitnessedDisplacement> displacement(std::size_t first, std::size_t second) const;
     Eigen::Matrix3d turn_at(std::size_t epoch) const;
 
     std::shared_ptr<const JudgedPhases> phases_;

@@ -63,20 +63,20 @@ VelocityWitness<Axes>::VelocityWitness(std::vector<TimedVelocity<Axes>> samples,
     slopes_.reserve(count);
     for (std::size_t k = 0; k < count; ++k)
         slopes_.push_back(slope_at(samples_, k));
-    moved_.assign(count, PositionVector<Axes>::Zero());
+    displacement_.assign(count, PositionVector<Axes>::Zero());
     path_.assign(count, 0.0);
     unseen_.assign(count, 0.0);
     worse_.assign(count + 1, 0.0);
     for (std::size_t k = 0; k < count; ++k)
         worse_[k + 1] = worse_[k] + samples_[k].worse * samples_[k].worse;
     for (std::size_t k = 1; k < count; ++k) {
-        moved_[k] = moved_[k - 1];
+        displacement_[k] = displacement_[k - 1];
         path_[k] = path_[k - 1];
         unseen_[k] = unseen_[k - 1];
         if (samples_[k].stretch != samples_[k - 1].stretch) continue;
         const double h = step_s(k - 1);
         assert(h > 0.0);
-        moved_[k] += moved_in_step(k - 1, 1.0);
+        displacement_[k] += displacement_in_step(k - 1, 1.0);
         path_[k] += path_in_step(k - 1, 1.0);
         unseen_[k] += std::pow(h, 5);
     }
@@ -124,7 +124,7 @@ PositionVector<Axes> VelocityWitness<Axes>::velocity_at(const Instant& instant) 
 }
 
 template <int Axes>
-PositionVector<Axes> VelocityWitness<Axes>::moved_beyond(const Instant& instant) const {
+PositionVector<Axes> VelocityWitness<Axes>::displacement_beyond(const Instant& instant) const {
     return instant.beyond_s * samples_[instant.sample].velocity +
            0.5 * instant.beyond_s * instant.beyond_s * slopes_[instant.sample];
 }
@@ -143,7 +143,7 @@ double VelocityWitness<Axes>::variance_beyond(const Instant& instant) const {
 }
 
 template <int Axes>
-PositionVector<Axes> VelocityWitness<Axes>::moved_in_step(std::size_t k, double part) const {
+PositionVector<Axes> VelocityWitness<Axes>::displacement_in_step(std::size_t k, double part) const {
     return hermite_integral(step_s(k), part, samples_[k].velocity, samples_[k + 1].velocity,
                             slopes_[k], slopes_[k + 1]);
 }
@@ -174,10 +174,10 @@ std::optional<WitnessedMotion<Axes>> VelocityWitness<Axes>::between(double from_
     if (!ends) return std::nullopt;
     const auto& [from, to] = *ends;
     WitnessedMotion<Axes> motion;
-    motion.displacement_m = moved_[to.sample] - moved_[from.sample];
-    if (to.part > 0.0) motion.displacement_m += moved_in_step(to.sample, to.part);
-    if (from.part > 0.0) motion.displacement_m -= moved_in_step(from.sample, from.part);
-    motion.displacement_m += moved_beyond(to) - moved_beyond(from);
+    motion.displacement_m = displacement_[to.sample] - displacement_[from.sample];
+    if (to.part > 0.0) motion.displacement_m += displacement_in_step(to.sample, to.part);
+    if (from.part > 0.0) motion.displacement_m -= displacement_in_step(from.sample, from.part);
+    motion.displacement_m += displacement_beyond(to) - displacement_beyond(from);
     const std::size_t last = to.sample + (to.part > 0.0 ? 1 : 0);
     // Variance factor of the integral over a step between known velocities and slopes, under a
     // white jerk.
@@ -211,7 +211,7 @@ std::optional<double> VelocityWitness<Axes>::path_between(double from_s, double 
     if (to.part > 0.0) path_m += path_in_step(to.sample, to.part);
     if (from.part > 0.0) path_m -= path_in_step(from.sample, from.part);
     const auto along_m = [&](const Instant& instant) {
-        return std::copysign(moved_beyond(instant).norm(), instant.beyond_s);
+        return std::copysign(displacement_beyond(instant).norm(), instant.beyond_s);
     };
     return path_m + along_m(to) - along_m(from);
 }

@@ -101,15 +101,15 @@ class VelocityWitness final : public Witness<Axes> {
     double step_s(std::size_t k) const { return samples_[k + 1].time_s - samples_[k].time_s; }
     PositionVector<Axes> velocity_at(const Instant& instant) const;
     /// Displacement from the first or last sample to an instant beyond it.
-    PositionVector<Axes> moved_beyond(const Instant& instant) const;
+    PositionVector<Axes> displacement_beyond(const Instant& instant) const;
     double variance_beyond(const Instant& instant) const;
     /// Displacement from a sample to a fraction of the step after it.
-    PositionVector<Axes> moved_in_step(std::size_t k, double part) const;
+    PositionVector<Axes> displacement_in_step(std::size_t k, double part) const;
     double path_in_step(std::size_t k, double part) const;
 
     std::vector<TimedVelocity<Axes>> samples_;
     std::vector<PositionVector<Axes>> slopes_;
-    std::vector<PositionVector<Axes>> moved_;  ///< up to each sample
+    std::vector<PositionVector<Axes>> displacement_;  ///< up to each sample
     std::vector<double> path_;
     std::vector<double> worse_;   ///< sum of the squares of `worse` before each sample
     std::vector<double> unseen_;  ///< sum of the fifth powers of the steps up to each sample, s^5

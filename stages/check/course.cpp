@@ -110,21 +110,21 @@ std::optional<CourseFigure> height_difference(const std::vector<MotionPoint>& ru
 }
 
 std::optional<CourseFigure> slope_between(const MotionPoint& first, const MotionPoint& last) {
-    const Vector3d moved = last.position_m - first.position_m;
-    const double distance_m = moved.head<2>().norm();
-    if (std::isnan(moved.z()) || distance_m == 0.0) return std::nullopt;
-    const double slope = moved.z() / distance_m;
+    const Vector3d chord_m = last.position_m - first.position_m;
+    const double distance_m = chord_m.head<2>().norm();
+    if (std::isnan(chord_m.z()) || distance_m == 0.0) return std::nullopt;
+    const double slope = chord_m.z() / distance_m;
     const Vector3d variance = difference_variance(first, last);
-    const double along = variance_along(moved.head<2>() / distance_m, variance);
+    const double along = variance_along(chord_m.head<2>() / distance_m, variance);
     return figure(slope, (variance.z() + slope * slope * along) / (distance_m * distance_m));
 }
 
 CourseFigure heading_between(const MotionPoint& first, const MotionPoint& last) {
-    const Vector2d moved = (last.position_m - first.position_m).head<2>();
-    const double across = variance_along(right_of(moved), difference_variance(first, last));
-    const double heading = direction_deg(moved);
+    const Vector2d chord_m = (last.position_m - first.position_m).head<2>();
+    const double across = variance_along(right_of(chord_m), difference_variance(first, last));
+    const double heading = direction_deg(chord_m);
     CourseFigure result = figure(heading < 0.0 ? heading + 360.0 : heading,
-                                 direction_variance(across, moved.norm()), 180.0);
+                                 direction_variance(across, chord_m.norm()), 180.0);
     if (result.value >= 360.0) result.value = 0.0;  // rounding can give 360 just west of north
     return result;
 }

@@ -92,9 +92,9 @@ std::optional<TimeSpan> GateWitness::enclosing(double from_s, double to_s) const
 }
 
 std::optional<double> GateWitness::path_between(double from_s, double to_s) const {
-    const auto moved = between(from_s, to_s);
-    if (!moved) return std::nullopt;
-    return moved->displacement_m.norm();
+    const auto motion = between(from_s, to_s);
+    if (!motion) return std::nullopt;
+    return motion->displacement_m.norm();
 }
 
 std::optional<GatePassage> passage_at(const Track& track, double time_s) {

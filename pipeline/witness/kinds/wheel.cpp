@@ -178,7 +178,7 @@ WheelMotion::WheelMotion(VelocityWitness<2> motion, std::vector<WheelRun> runs, 
       calibrated_(calibrated) {}
 
 WheelScale WheelMotion::scale_for(double from_s, double to_s,
-                                  const PositionVector<2>& moved) const {
+                                  const PositionVector<2>& displacement_m) const {
     const WheelScale given{.value = 1.0, .sigma = sigma_scale_, .independent = calibrated_};
     if (calibrated_) return given;
     std::vector<double> all, along, against;
@@ -186,7 +186,7 @@ WheelScale WheelMotion::scale_for(double from_s, double to_s,
         if (run.span.last_s > from_s - between_runs_s && run.span.first_s < to_s + between_runs_s)
             continue;
         all.push_back(run.scale);
-        (run.direction.dot(moved) > 0.0 ? along : against).push_back(run.scale);
+        (run.direction.dot(displacement_m) > 0.0 ? along : against).push_back(run.scale);
     }
     if (all.size() < fewest_runs) return given;
     const double middle = mean(all);
@@ -216,9 +216,9 @@ std::optional<WitnessedMotion<2>> WheelMotion::between(double from_s, double to_
 
 std::optional<double> WheelMotion::path_between(double from_s, double to_s) const {
     const auto path_m = motion_.path_between(from_s, to_s);
-    const auto moved = path_m ? motion_.between(from_s, to_s) : std::nullopt;
-    if (!moved) return std::nullopt;
-    return *path_m * scale_for(from_s, to_s, moved->displacement_m).value;
+    const auto motion = path_m ? motion_.between(from_s, to_s) : std::nullopt;
+    if (!motion) return std::nullopt;
+    return *path_m * scale_for(from_s, to_s, motion->displacement_m).value;
 }
 
 std::optional<WheelWitness> wheel_witness(const WheelSpeeds& speeds,

@@ -65,7 +65,7 @@ class ArcExamination {
 
     void fill(std::size_t k, const std::map<FixType, double>& kinds, ScreenedEpoch& row,
               BestSupported& best) const {
-        constexpr TestedAxes axes = Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal;
+        constexpr TestedAxes axes = tested_axes<Axes>;
         const double factor = factors_[k];
         if (Axes == 2) row.local_variance_factor = factor;
         const bool decided =
@@ -148,7 +148,7 @@ std::vector<FixTypeErrors> compare_fix_types(const ScreenedTable& first_look,
         const double sigma =
             factor / (2.0 * density * expected * std::sqrt(static_cast<double>(values.size())));
         kinds.push_back({.fix = fix,
-                         .axes = Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal,
+                         .axes = tested_axes<Axes>,
                          .epochs = std::ssize(values),
                          .variance_factor = factor,
                          .judgement = !enough ? AccuracyJudgement::too_few_epochs

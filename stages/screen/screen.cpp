@@ -34,37 +34,23 @@ ScreenedTable first_look(const ScreenedTable& screened, const ScreenConfig& conf
     return table;
 }
 
-/// The noise of one group of axes, and its findings on the fix types.
-struct EstimatedNoise {
-    ScreeningNoise noise;
-    std::vector<FixTypeErrors> kinds;
-};
-
-template <int Axes>
-EstimatedNoise estimate_noise(const ScreenedTable& look, const ScreenConfig& config) {
-    EstimatedNoise estimated{estimate_screening_noise<Axes>(look, config), {}};
-    estimated.kinds = compare_fix_types<Axes>(look, estimated.noise);
-    return estimated;
-}
-
 ScreeningNoises estimate_noises(const ScreenedTable& look, const ScreenConfig& config,
                                 ScreeningBasis& basis) {
-    EstimatedNoise horizontal;
-    std::optional<EstimatedNoise> vertical;
-    do_together([&] { horizontal = estimate_noise<2>(look, config); },
-                [&] {
-                    if (look.facts.vertical_measured) vertical = estimate_noise<1>(look, config);
-                });
     ScreeningNoises noises;
-    noises.horizontal = horizontal.noise;
-    if (vertical) noises.vertical = vertical->noise;
-    const EstimatedNoise* const second = vertical ? &*vertical : nullptr;
-    for (const EstimatedNoise* const one :
-         {static_cast<const EstimatedNoise*>(&horizontal), second}) {
-        if (one == nullptr) continue;
-        basis.models.push_back(one->noise.summary);
-        basis.fix_types.insert(basis.fix_types.end(), one->kinds.begin(), one->kinds.end());
-    }
+    std::vector<FixTypeErrors> of_heights;
+    do_together(
+        [&] {
+            noises.horizontal = estimate_screening_noise<2>(look, config);
+            basis.fix_types = compare_fix_types<2>(look, noises.horizontal);
+        },
+        [&] {
+            if (!look.facts.vertical_measured) return;
+            noises.vertical = estimate_screening_noise<1>(look, config);
+            of_heights = compare_fix_types<1>(look, *noises.vertical);
+        });
+    basis.models = {noises.horizontal.summary};
+    if (noises.vertical) basis.models.push_back(noises.vertical->summary);
+    basis.fix_types.insert(basis.fix_types.end(), of_heights.begin(), of_heights.end());
     noises.horizontal_factors = kind_factors(basis, TestedAxes::horizontal);
     noises.vertical_factors = kind_factors(basis, TestedAxes::vertical);
     return noises;
@@ -77,10 +63,21 @@ struct AdaptedArcs {
     std::vector<ArcDecisions> decisions;
 };
 
+/// The plan is copied, because it caches values and the two groups of axes are tested in parallel.
+template <int Axes>
+AdaptedArcs<Axes> adapt_arcs(const ScreenedTable& screened, const EstimationModel& model,
+                             const std::map<FixType, double>& factors, const TestPlan plan,
+                             const ScreenConfig& config) {
+    AdaptedArcs<Axes> adapted{.arcs = tested_arcs<Axes>(screened, model, factors), .decisions = {}};
+    for (const Arc<Axes>& arc : adapted.arcs)
+        adapted.decisions.push_back(adapt<Axes>(arc.epochs, model, plan, config.section_epochs));
+    return adapted;
+}
+
 template <int Axes>
 void mark_arcs(ScreenedTable& screened, const AdaptedArcs<Axes>& adapted, bool on_the_ground,
                ScreeningBasis& basis) {
-    constexpr TestedAxes axes = Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal;
+    constexpr TestedAxes axes = tested_axes<Axes>;
     for (std::size_t a = 0; a < adapted.arcs.size(); ++a) {
         const ArcDecisions& decisions = adapted.decisions[a];
         basis.passes = std::max(basis.passes, decisions.passes);
@@ -97,25 +94,18 @@ void mark_arcs(ScreenedTable& screened, const AdaptedArcs<Axes>& adapted, bool o
 
 void test_positions(ScreenedTable& screened, const ScreeningNoises& noises, const TestPlan& plan,
                     const ScreenConfig& config, ScreeningBasis& basis) {
-    // Both groups of axes are tested on the epochs that passed their own checks. Each has its own
-    // copy of the plan, because the plan caches values.
+    // Both groups of axes are tested on the epochs that passed their own checks.
     AdaptedArcs<2> horizontal;
     AdaptedArcs<1> vertical;
     do_together(
-        [&, plan = plan] {
-            const EstimationModel& model = noises.horizontal.model;
-            horizontal.arcs = tested_arcs<2>(screened, model, noises.horizontal_factors);
-            for (const Arc<2>& arc : horizontal.arcs)
-                horizontal.decisions.push_back(
-                    adapt<2>(arc.epochs, model, plan, config.section_epochs));
+        [&] {
+            horizontal = adapt_arcs<2>(screened, noises.horizontal.model, noises.horizontal_factors,
+                                       plan, config);
         },
-        [&, plan = plan] {
-            if (!noises.vertical) return;
-            const EstimationModel& model = noises.vertical->model;
-            vertical.arcs = tested_arcs<1>(screened, model, noises.vertical_factors);
-            for (const Arc<1>& arc : vertical.arcs)
-                vertical.decisions.push_back(
-                    adapt<1>(arc.epochs, model, plan, config.section_epochs));
+        [&] {
+            if (noises.vertical)
+                vertical = adapt_arcs<1>(screened, noises.vertical->model, noises.vertical_factors,
+                                         plan, config);
         });
     // No craft on the ground goes up or down faster. Craft that do have vertical speed in their
     // score.

@@ -8,26 +8,41 @@
 
 #include "core/angle.h"
 #include "core/geodesy.h"
-#include "stages/window/reliability.h"
 #include "witness/antenna_swing.h"
 #include "witness/continuity.h"
 
 namespace runcert {
-BudgetRow bounded_row(std::string symbol, std::string source, double half_width, std::string unit,
-                      double sensitivity, RowScope touches, std::string note) {
-    const double uncertainty = rectangular_uncertainty(half_width);
+
+BudgetRow quantity_row(std::string symbol, std::string source, std::string type,
+                       double standard_uncertainty, std::string unit, double sensitivity,
+                       RowScope touches, std::string note) {
     return {.symbol = std::move(symbol),
             .source = std::move(source),
             .estimate = 0.0,
             .unit = std::move(unit),
-            .standard_uncertainty = uncertainty,
-            .type = "B",
-            .distribution = "rectangular",
+            .standard_uncertainty = standard_uncertainty,
+            .type = std::move(type),
+            .distribution = "normal",
             .degrees_of_freedom = std::nullopt,
             .sensitivity = sensitivity,
-            .contribution_m_s = uncertainty * std::abs(sensitivity),
+            .contribution_m_s = standard_uncertainty * std::abs(sensitivity),
             .touches = touches,
             .note = std::move(note)};
+}
+
+BudgetRow speed_row(std::string symbol, std::string source, std::string type,
+                    double contribution_m_s, RowScope touches, std::string note) {
+    return quantity_row(std::move(symbol), std::move(source), std::move(type), contribution_m_s,
+                        "m / s", 1.0, touches, std::move(note));
+}
+
+BudgetRow bounded_row(std::string symbol, std::string source, double half_width, std::string unit,
+                      double sensitivity, RowScope touches, std::string note) {
+    BudgetRow row =
+        quantity_row(std::move(symbol), std::move(source), "B", rectangular_uncertainty(half_width),
+                     std::move(unit), sensitivity, touches, std::move(note));
+    row.distribution = "rectangular";
+    return row;
 }
 
 namespace {
@@ -140,16 +155,13 @@ BudgetRow time_row(const BudgetInput& input) {
 }
 
 BudgetRow delay_row(const RecordedSource& recorded) {
-    BudgetRow row =
-        speed_row("l", "delay of the recorded speeds behind the positions", "B",
-                  recorded.sigma_delay_s, RowScope::source,
-                  recorded.changes_m_s2 ? "it moves both ends of the window"
-                                        : "the window is of the moments of the speeds, whichever "
-                                          "they are: only a window whose ends are places changes");
+    BudgetRow row = quantity_row(
+        "l", "delay of the recorded speeds behind the positions", "B", recorded.sigma_delay_s, "s",
+        recorded.changes_m_s2.value_or(0.0), RowScope::source,
+        recorded.changes_m_s2 ? "it moves both ends of the window"
+                              : "the window is of the moments of the speeds, whichever "
+                                "they are: only a window whose ends are places changes");
     row.estimate = recorded.delay_s;
-    row.unit = std::string(1, 's');
-    row.sensitivity = recorded.changes_m_s2.value_or(0.0);
-    row.contribution_m_s = row.standard_uncertainty * std::abs(row.sensitivity);
     return row;
 }
 
@@ -244,18 +256,12 @@ BudgetRow frame_row(const BudgetInput& input) {
 }
 
 BudgetRow length_row(const SurveyedLength& length, double duration_s) {
-    return {.symbol = "c",
-            .source = "surveyed length of the course",
-            .estimate = length.length_m,
-            .unit = "m",
-            .standard_uncertainty = length.standard_uncertainty_m,
-            .type = "B",
-            .distribution = "normal",
-            .degrees_of_freedom = std::nullopt,
-            .sensitivity = 1.0 / duration_s,
-            .contribution_m_s = length.standard_uncertainty_m / duration_s,
-            .touches = RowScope::window,
-            .note = "as the attempt states it"};
+    BudgetRow row =
+        quantity_row("c", "surveyed length of the course", "B", length.standard_uncertainty_m, "m",
+                     1.0 / duration_s, RowScope::window, "as the attempt states it");
+    row.estimate = length.length_m;
+    row.contribution_m_s = length.standard_uncertainty_m / duration_s;
+    return row;
 }
 
 BudgetRow antenna_row(const BudgetInput& input) {
@@ -291,15 +297,11 @@ void add_craft_rows(const CraftCorrection& craft, std::vector<BudgetRow>& rows) 
                     craft.arm_sigma_m, craft.speed_m_s)));
     rows.push_back(speed_row("y", "attitude of the craft", "A", craft.attitude_m_s,
                              RowScope::antenna, "by the joint covariance of IMU and positions"));
-    BudgetRow lag =
-        speed_row("z", "clock of the IMU against that of the positions", "B",
-                  craft.lag_sigma_s * std::abs(craft.lag_m_s_per_s), RowScope::antenna,
-                  craft.lag_sigma_s > 0.0 ? "not estimated: the motion would show a greater one"
-                                          : "estimated with the attitude, and part of its row");
-    lag.unit = std::string(1, 's');
-    lag.standard_uncertainty = craft.lag_sigma_s;
-    lag.sensitivity = craft.lag_m_s_per_s;
-    rows.push_back(std::move(lag));
+    rows.push_back(quantity_row("z", "clock of the IMU against that of the positions", "B",
+                                craft.lag_sigma_s, "s", craft.lag_m_s_per_s, RowScope::antenna,
+                                craft.lag_sigma_s > 0.0
+                                    ? "not estimated: the motion would show a greater one"
+                                    : "estimated with the attitude, and part of its row"));
 }
 
 BudgetRow undetected_row(const BudgetInput& input) {
@@ -381,20 +383,9 @@ std::optional<BudgetRow> calibration_row(const WindowConfig& config) {
 
 }  // namespace
 
-BudgetRow speed_row(std::string symbol, std::string source, std::string type,
-                    double contribution_m_s, RowScope touches, std::string note) {
-    return {.symbol = std::move(symbol),
-            .source = std::move(source),
-            .estimate = 0.0,
-            .unit = "m / s",
-            .standard_uncertainty = contribution_m_s,
-            .type = std::move(type),
-            .distribution = "normal",
-            .degrees_of_freedom = std::nullopt,
-            .sensitivity = 1.0,
-            .contribution_m_s = contribution_m_s,
-            .touches = touches,
-            .note = std::move(note)};
+void scale(BudgetRow& row, double factor) {
+    row.sensitivity *= factor;
+    row.contribution_m_s *= factor;
 }
 
 std::vector<BudgetRow> budget_of(const BudgetInput& input) {

@@ -62,9 +62,13 @@ struct BudgetInput {
     double position_share = 1.0;
 };
 
-/// A row whose quantity is the speed itself (m/s), normally distributed with infinite degrees of
-/// freedom: estimate 0, sensitivity 1. `contribution_m_s` is its standard uncertainty. `type` is
-/// "A" or "B" as in [GUM] 4.2 and 4.3.
+/// A row of a normally distributed quantity with infinite degrees of freedom and the estimate 0.
+/// `type` is "A" or "B" as in [GUM] 4.2 and 4.3.
+BudgetRow quantity_row(std::string symbol, std::string source, std::string type,
+                       double standard_uncertainty, std::string unit, double sensitivity,
+                       RowScope touches, std::string note);
+
+/// Such a row whose quantity is the speed itself (m/s): its sensitivity is 1.
 BudgetRow speed_row(std::string symbol, std::string source, std::string type,
                     double contribution_m_s, RowScope touches, std::string note);
 
@@ -72,6 +76,9 @@ BudgetRow speed_row(std::string symbol, std::string source, std::string type,
 /// 0.
 BudgetRow bounded_row(std::string symbol, std::string source, double half_width, std::string unit,
                       double sensitivity, RowScope touches, std::string note);
+
+/// Multiplies what a row contributes by a factor, not negative.
+void scale(BudgetRow& row, double factor);
 
 /// The uncertainty budget of the measured speed, with one row for each source. Sources without a
 /// contribution are included, with the reason. The sources are independent of one another. What is

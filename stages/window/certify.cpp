@@ -48,7 +48,7 @@ template <int Axes>
 SelectionBias selection_of(const AxesEstimate<Axes>& estimate, const WindowChoice& choice,
                            const ErrorBound& bound, double search_uncertainty_m_s,
                            const SpeedEstimate& stated) {
-    const double duration_s = choice.found.end.seconds() - choice.found.start.seconds();
+    const double duration_s = choice.found.duration_s();
     const double fitted_m_s =
         bound.along * estimate.model.error.process_density / std::sqrt(duration_s);
     const double slow_m_s = std::max(std::numbers::sqrt2 * bound.sigma_m / duration_s, fitted_m_s);
@@ -92,7 +92,7 @@ double lacking_for_curvature(const AxesEstimate<Axes>& estimate, const FoundWind
     const TrajectoryEpoch& first = row(found.first);
     const TrajectoryEpoch& last = row(found.last);
     const double upwards = *last.up_m >= *first.up_m ? 1.0 : -1.0;
-    return upwards * (fall_m(last) - fall_m(first)) / (found.end.seconds() - found.start.seconds());
+    return upwards * (fall_m(last) - fall_m(first)) / found.duration_s();
 }
 
 /// The bound on time-correlated errors, with the error's size along the window's direction.
@@ -102,9 +102,9 @@ ErrorBound bound_of(const AxesEstimate<Axes>& estimate, const WindowChoice& choi
     const Arc<Axes>& arc = estimate.arcs[choice.found.series];
     double along = 1.0;
     if constexpr (Axes == 2) {
-        const Eigen::Vector2d moved = displacement(at.smoothed, at.window.first, at.window.last);
-        if (estimate.noise.correlated_error_detected && moved.norm() > 0.0)
-            along = error_along(stretch.epochs, estimate.model, moved.normalized());
+        const Eigen::Vector2d chord_m = displacement(at.smoothed, at.window.first, at.window.last);
+        if (estimate.noise.correlated_error_detected && chord_m.norm() > 0.0)
+            along = error_along(stretch.epochs, estimate.model, chord_m.normalized());
     }
     return error_bound<Axes>(estimate.screened, arc.rows[choice.found.first],
                              arc.rows[choice.found.last], estimate.noise,
@@ -194,8 +194,8 @@ void set_speed_and_budget(const AxesEstimate<Axes>& estimate, const WindowChoice
         combine_with_witnesses(alone, fault, selection, std::move(witnesses));
     input.position_share = combined.position_share;
     const double craft_m_s = choice.craft ? choice.craft->speed_m_s : 0.0;
-    set_speed(measured.speed.speed_m_s + craft_m_s, selection, combined.bias_m_s, combined.position_share,
-              window);
+    set_speed(measured.speed.speed_m_s + craft_m_s, selection, combined.bias_m_s,
+              combined.position_share, window);
     window.own_standard_uncertainty_m_s = own_uncertainty(alone);
     window.budget = std::move(combined.rows);
     window.witnesses = std::move(combined.witnesses);
@@ -234,6 +234,22 @@ void move_to_craft(const CraftCorrection& craft, CertifiableWindow& window) {
          {&window.methods.smoothed_m_s, &window.methods.batch_m_s, &window.methods.v1_m_s,
           &window.methods.v2_m_s, &window.methods.kalman_m_s})
         if (*mean) **mean += craft.definitions.mean_n_plus_1_m_s;
+}
+
+/// What is known of a speed in space, from that of its two parts: uncertainties as of errors that
+/// are fully correlated, faults of either.
+SpeedEvidence evidence_in_space(SpeedEvidence horizontal, const SpeedEvidence& vertical,
+                                double level, double upright) {
+    for (double SpeedEvidence::*const figure :
+         {&SpeedEvidence::position_standard_uncertainty_m_s,
+          &SpeedEvidence::slow_standard_uncertainty_m_s,
+          &SpeedEvidence::shared_standard_uncertainty_m_s, &SpeedEvidence::fault_m_s,
+          &SpeedEvidence::at_a_fifth_m_s, &SpeedEvidence::at_five_times_m_s})
+        horizontal.*figure = level * horizontal.*figure + upright * vertical.*figure;
+    for (double SpeedEvidence::*const probability :
+         {&SpeedEvidence::fault_probability, &SpeedEvidence::chosen_fault_probability})
+        horizontal.*probability = std::min(1.0, horizontal.*probability + vertical.*probability);
+    return horizontal;
 }
 
 }  // namespace
@@ -365,6 +381,44 @@ CertifiableWindow certify_by_positions(const AxesEstimate<Axes>& estimate,
         selection_of(estimate, choice, bound, searched.standard_uncertainty_m_s, measured.speed);
     set_speed_and_budget(estimate, choice, estimated, measured, window);
     if (choice.craft) move_to_craft(*choice.craft, window);
+    return window;
+}
+
+CertifiableWindow speed_in_space(const CertifiableWindow& horizontal,
+                                 const CertifiableWindow& vertical) {
+    CertifiableWindow window = horizontal;
+    const double speed = std::hypot(horizontal.speed_m_s, vertical.speed_m_s);
+    const double level = speed > 0.0 ? horizontal.speed_m_s / speed : 1.0;
+    const double upright = speed > 0.0 ? vertical.speed_m_s / speed : 1.0;
+    const double of_level = level * horizontal.standard_uncertainty_m_s;
+    const double of_upright = upright * vertical.standard_uncertainty_m_s;
+    for (BudgetRow& row : window.budget)
+        scale(row, level);
+    BudgetRow row = speed_row("v", "vertical part of the speed", "B",
+                              std::sqrt(of_upright * of_upright + 2.0 * of_level * of_upright),
+                              RowScope::source,
+                              fmt::format("its own standard uncertainty is {:.4f} m/s",
+                                          vertical.standard_uncertainty_m_s));
+    row.estimate = vertical.speed_m_s;
+    row.correlation =
+        "fully correlated with all other rows together; what it adds to them is given";
+    window.budget.push_back(std::move(row));
+    window.speed_m_s = speed;
+    window.standard_uncertainty_m_s = of_level + of_upright;
+    window.bias_limit_m_s = level * horizontal.bias_limit_m_s + upright * vertical.bias_limit_m_s;
+    window.evidence = window.evidence && vertical.evidence
+                          ? std::optional(evidence_in_space(*horizontal.evidence,
+                                                            *vertical.evidence, level, upright))
+                          : std::nullopt;
+    window.estimates = std::nullopt;
+    window.own_standard_uncertainty_m_s = std::nullopt;
+    window.length_m = speed * window.span.duration.seconds();
+    window.definitions.displacement_m_s =
+        std::hypot(horizontal.definitions.displacement_m_s, vertical.definitions.displacement_m_s);
+    window.fitted = std::nullopt;
+    window.monte_carlo = std::nullopt;
+    window.reliability.insert(window.reliability.end(), vertical.reliability.begin(),
+                              vertical.reliability.end());
     return window;
 }
 

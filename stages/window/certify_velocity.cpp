@@ -105,7 +105,7 @@ std::string slow_note(const SpeedErrors& errors, const SpeedNoise& noise,
         return said + ", which counts whole: the positions are not independent of the velocities";
     if (!noise.white || !noise.over_ten)
         return said + ", which counts whole: too little of the recording can be compared";
-    return noise.over_ten ? said + "; " + shown() : said;
+    return said + "; " + shown();
 }
 
 /// The rows of the recorded speeds' own errors, but for their scale. `apart_m_s` is how far this
@@ -153,8 +153,9 @@ std::vector<BudgetRow> error_rows(const SpeedErrors& errors, const SpeedNoise& n
 /// Row p: what all recorded speeds have in common. The estimate is taken off.
 BudgetRow scale_row(const std::optional<SpeedScale>& found, double speed_m_s) {
     const SpeedScale scale = found.value_or(SpeedScale{});
-    BudgetRow row = speed_row(
-        "p", "scale of the recorded speeds", "A", scale.uncertainty * speed_m_s, RowScope::source,
+    BudgetRow row = quantity_row(
+        "p", "scale of the recorded speeds", "A", scale.uncertainty, "1", -speed_m_s,
+        RowScope::source,
         found
             ? fmt::format("beside the positions, over straight fast spans of 10 s, they are "
                           "{:+.3f} % too high, with a standard uncertainty of {:.3f} %; weighed "
@@ -163,9 +164,6 @@ BudgetRow scale_row(const std::optional<SpeedScale>& found, double speed_m_s) {
             : std::string("the positions tell nothing of it: it is part of the stated value, "
                           "which counts whole"));
     row.estimate = scale.value;
-    row.unit = "1";
-    row.standard_uncertainty = scale.uncertainty;
-    row.sensitivity = -speed_m_s;
     return row;
 }
 

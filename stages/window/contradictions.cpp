@@ -15,10 +15,6 @@ namespace {
 
 constexpr double test_size = 0.05;  // of k = 2
 
-bool is_by(const Contradiction& one, const auto& witness) {
-    return one.kind == witness.kind && one.receiver == witness.receiver;
-}
-
 /// Whether chance makes so large a difference of any of `count` witnesses in fewer than five of a
 /// hundred windows.
 bool doubts(const WitnessedSpeed& one, std::size_t count) {
@@ -83,8 +79,9 @@ std::vector<Contradiction> contradictions_in(const AxesEstimate<Axes>& estimate,
                           .receiver = one.receiver,
                           .drift_m_s = one.apart_m / one.compared_over_s.value_or(window_s),
                           .sound_over_s = longer * window_s});
-        const auto witness = std::ranges::find_if(
-            estimate.witnesses, [&](const auto& each) { return is_by(found_here, each); });
+        const auto witness = std::ranges::find_if(estimate.witnesses, [&](const auto& each) {
+            return is_same_witness(found_here, each);
+        });
         if (witness == estimate.witnesses.end()) continue;
         const auto nearest = [&](bool after) {
             return nearest_sound(
@@ -112,7 +109,7 @@ const Contradiction* suspected_by(std::span<const Contradiction> contradictions,
                                (at.last_s >= one.sound_from_s || at.first_s <= one.sound_until_s);
         if (window.series != one.series || is_beyond ||
             std::ranges::any_of(witnesses, [&](const WitnessedSpeed& each) {
-                return is_by(one, each) && shows_sound(each, one.drift_m_s, window_s);
+                return is_same_witness(one, each) && shows_sound(each, one.drift_m_s, window_s);
             }))
             continue;
         return &one;

@@ -26,6 +26,11 @@ auto measured_track(std::span<const ArcEpoch<Axes>> epochs) {
 
 }  // namespace
 
+std::optional<double> error_floor_m(const UncertaintyRule& rule, FixType fix) {
+    const auto floor = rule.error_floor_m.find(std::string(to_text(fix)));
+    return floor == rule.error_floor_m.end() ? std::nullopt : std::optional(floor->second);
+}
+
 template <int Axes>
 ErrorBound error_bound(const ScreenedTable& screened, std::size_t first_row, std::size_t last_row,
                        const NoiseSummary& noise, const UncertaintyRule& rule, double along,
@@ -43,10 +48,9 @@ ErrorBound error_bound(const ScreenedTable& screened, std::size_t first_row, std
         sum += stated_covariance<Axes>(row).trace() / Axes;
         ++count;
         fixes.insert(row.fix);
-        const auto floor = rule.error_floor_m.find(std::string(to_text(row.fix)));
-        if (floor != rule.error_floor_m.end() &&
-            (!bound.floor_fix || floor->second > bound.floor_m)) {
-            bound.floor_m = floor->second;
+        const auto floor_m = error_floor_m(rule, row.fix);
+        if (floor_m && (!bound.floor_fix || *floor_m > bound.floor_m)) {
+            bound.floor_m = *floor_m;
             bound.floor_fix = row.fix;
         }
     }

@@ -12,6 +12,10 @@
 
 namespace runcert {
 
+/// The least time-correlated error (m) that a rule assumes of positions of this fix type. Empty if
+/// it names none.
+std::optional<double> error_floor_m(const UncertaintyRule& rule, FixType fix);
+
 /// The size of the time-correlated position error that the certificate allows for. It is the
 /// largest of the fitted one, the stated standard deviation times its scale, what the positions
 /// showed while the craft stood (`standing_error_m`), and the floor for the fix types in rows

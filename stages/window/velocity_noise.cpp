@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/statistics.h"
+#include "stages/window/lasting_difference.h"
 #include "witness/recorded_velocities.h"
 
 namespace runcert {
@@ -141,10 +142,6 @@ std::optional<SpeedSpread> white_noise(std::span<const ComparedSpeed> compared, 
 }
 
 std::optional<SpeedScale> speed_scale(std::span<const ComparedSpeed> compared) {
-    struct Prior {
-        double probability = 0.0, sigma = 0.0;
-    };
-    constexpr Prior priors[] = {{0.95, 0.003}, {0.05, 0.02}};
     constexpr double spans_alike = 3.0;
     const std::vector<SpanOfSpeeds> spans = fast_spans(compared, ten_s);
     double products = 0.0, squares = 0.0, residuals = 0.0;
@@ -161,8 +158,8 @@ std::optional<SpeedScale> speed_scale(std::span<const ComparedSpeed> compared) {
     const double variance = spans_alike * scatter / squares;
     double weights = 0.0, values = 0.0, moments = 0.0;
     // Beside that of the wider prior, as both densities are 0 of a scale that is far off.
-    const double widest = square(priors[1].sigma) + variance;
-    for (const auto& [probability, sigma] : priors) {
+    const double widest = square(scale_priors[1].sigma) + variance;
+    for (const auto& [probability, sigma] : scale_priors) {
         const double of_both = square(sigma) + variance;
         const double weight =
             probability * std::exp(-0.5 * square(scale.shown) * (1.0 / of_both - 1.0 / widest)) /

@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <exception>
 #include <iterator>
 #include <limits>
 #include <map>
@@ -40,6 +39,18 @@ std::vector<Stand> stands_in(const ScreenedTable& screened, const TrajectoryTabl
     return stands_of(screened, trajectory, records.still_by_imu,
                      wheel == series.end() ? nullptr : &wheel->second);
 }
+
+/// The data in which a profile's windows are searched.
+struct Candidates {
+    const ScreenedTable& screened;
+    const TrajectoryTable& trajectory;
+    const std::vector<ArcRows>& rows;
+    const Profile& profile;
+    const std::optional<SurveyedCourse>& gates;
+    WindowCriteria rule;
+    std::vector<SampleSeries> series;
+    bool files_attested = true;  ///< whether second files count
+};
 
 /// The data from which the profiles of one receiver are searched and certified.
 class ReceiverEstimates {
@@ -79,22 +90,20 @@ class ReceiverEstimates {
 
     /// The witnesses that cover a window: a bit for each that confirms, or that contradicts another
     /// window (`contradicting`).
-    std::uint64_t covering(const Profile& profile, const FoundWindow& found, bool files_attested,
+    std::uint64_t covering(const Candidates& among, const FoundWindow& found,
                            std::uint64_t contradicting) const {
         const std::vector<ElapsedTime>& times = horizontal_.times[found.series];
-        return witnesses_that(profile, files_attested, [&](const auto& one, std::uint64_t bit) {
+        return witnesses_that(among, [&](const auto& one, std::uint64_t bit) {
             return !one.is_copy && (one.confirms || (contradicting & bit) != 0) &&
                    one.motion->between(times[found.first].seconds(), times[found.last].seconds());
         });
     }
 
     /// The witnesses that contradict a certified window.
-    std::uint64_t contradicting(const Profile& profile, const CertifiableWindow& window,
-                                bool files_attested) const {
-        return witnesses_that(profile, files_attested, [&](const auto& witness, std::uint64_t) {
+    std::uint64_t contradicting(const Candidates& among, const CertifiableWindow& window) const {
+        return witnesses_that(among, [&](const auto& witness, std::uint64_t) {
             return std::ranges::any_of(window.witnesses, [&](const WitnessedSpeed& one) {
-                return contradicts(one) && one.kind == witness.kind &&
-                       one.receiver == witness.receiver;
+                return contradicts(one) && is_same_witness(one, witness);
             });
         });
     }
@@ -163,10 +172,9 @@ class ReceiverEstimates {
                 if (!best || profiles[i].dimension == Dimension::vertical ||
                     profiles[i].speed_source == SpeedSource::velocity)
                     continue;
-                const auto said =
-                    std::ranges::find_if(best->witnesses, [&](const WitnessedSpeed& one) {
-                        return one.kind == witness.kind && one.receiver == witness.receiver;
-                    });
+                const auto said = std::ranges::find_if(
+                    best->witnesses,
+                    [&](const WitnessedSpeed& one) { return is_same_witness(one, witness); });
                 std::string note = said == best->witnesses.end()
                                        ? silence_text(witness, trajectory_, windows[i].profile)
                                    : contradicts(*said)
@@ -179,37 +187,44 @@ class ReceiverEstimates {
         return notes;
     }
 
-    CertifiableWindow certify(const Profile& profile, FoundWindow found,
+    /// Certifies a window by the source of speed and in the dimension that its rule asks for.
+    CertifiableWindow certify(const Candidates& among, FoundWindow found,
                               const std::vector<FoundWindow>& all,
-                              const std::optional<SurveyedCourse>& gates, bool files_attested,
                               std::span<const Contradiction> contradictions,
                               CertificateExtent extent = CertificateExtent::whole) const {
+        const Profile& profile = among.profile;
         const bool by_velocities = profile.speed_source == SpeedSource::velocity;
-        if (profile.window_kind == WindowKind::course && !by_velocities)
-            return certify_course(profile, found, all, *gates, files_attested, contradictions,
-                                  extent);
+        const bool over_course = profile.window_kind == WindowKind::course && !by_velocities;
+        std::vector<FoundWindow> refined;
+        if (over_course) refined = refine_crossings(profile, *among.gates, all, found);
         const auto choice = [&](Dimension dimension) {
-            return WindowChoice{
+            WindowChoice one{
                 .profile = profile,
                 .found = found,
-                .all = all,
+                .all = over_course ? refined : all,
                 .quantity = quantity_of(profile),
                 .craft = by_velocities ? std::nullopt : craft_of(profile, found, dimension),
                 // Of the two parts of a speed in space a witness may cover
                 // one, and each budget counts its own share of it.
-                .by_positions_alone = profile.dimension == Dimension::space,
-                .files_attested = files_attested,
+                .by_positions_alone = profile.dimension == Dimension::space && !over_course,
+                .files_attested = among.files_attested,
                 .contradictions = contradictions,
                 .extent = extent};
+            if (!over_course) return one;
+            one.quantity.length_m = among.gates->length_m;
+            one.quantity.start_normal = along_course(among.gates->start);
+            one.quantity.finish_normal = along_course(among.gates->finish);
+            one.length_standard_uncertainty_m = among.gates->length_standard_uncertainty_m;
+            return one;
         };
         if (by_velocities)
             return certify_by_velocities(velocities_.at(profile.dimension),
                                          choice(profile.dimension));
-        if (profile.dimension == Dimension::vertical)
+        if (profile.dimension == Dimension::vertical && !over_course)
             return certify_by_positions(*vertical_, choice(Dimension::vertical));
         const CertifiableWindow level =
             certify_by_positions(horizontal_, choice(Dimension::horizontal));
-        return profile.dimension == Dimension::space
+        return profile.dimension == Dimension::space && !over_course
                    ? speed_in_space(level,
                                     certify_by_positions(*vertical_, choice(Dimension::vertical)))
                    : level;
@@ -225,8 +240,7 @@ class ReceiverEstimates {
     }
 
   private:
-    std::uint64_t witnesses_that(const Profile& profile, bool files_attested,
-                                 const auto& is) const {
+    std::uint64_t witnesses_that(const Candidates& among, const auto& is) const {
         const auto bits = [&](const auto& witnesses) {
             std::uint64_t found = 0;
             for (std::size_t i = 0; i < witnesses.size(); ++i)
@@ -234,10 +248,10 @@ class ReceiverEstimates {
                     found |= bit;
             return found;
         };
-        if (profile.speed_source == SpeedSource::velocity) return 0;
-        return profile.dimension == Dimension::vertical
-                   ? bits(admitted_witnesses(*vertical_, files_attested))
-                   : bits(admitted_witnesses(horizontal_, files_attested));
+        if (among.profile.speed_source == SpeedSource::velocity) return 0;
+        return among.profile.dimension == Dimension::vertical
+                   ? bits(admitted_witnesses(*vertical_, among.files_attested))
+                   : bits(admitted_witnesses(horizontal_, among.files_attested));
     }
 
     std::optional<CraftCorrection> craft_of(const Profile& profile, const FoundWindow& found,
@@ -255,28 +269,25 @@ class ReceiverEstimates {
         return craft;
     }
 
-    /// Certifies a course with the crossings of the smoothed track, in place of those of straight
-    /// lines between epochs.
-    CertifiableWindow certify_course(const Profile& profile, FoundWindow found,
-                                     std::vector<FoundWindow> all, const SurveyedCourse& gates,
-                                     bool files_attested,
-                                     std::span<const Contradiction> contradictions,
-                                     CertificateExtent extent) const {
-        const auto same = [&](const FoundWindow& one) {
+    /// Moves a window over a course to the crossings of the smoothed track, in place of those of
+    /// straight lines between epochs. Returns all windows, with this one among them.
+    std::vector<FoundWindow> refine_crossings(const Profile& profile, const SurveyedCourse& gates,
+                                              std::vector<FoundWindow> all,
+                                              FoundWindow& found) const {
+        const auto listed = std::ranges::find_if(all, [&](const FoundWindow& one) {
             return one.series == found.series && one.start == found.start && one.end == found.end;
-        };
-        const auto listed = std::ranges::find_if(all, same);
+        });
         const auto& times = horizontal_.times[found.series];
         const Arc<2>& arc = horizontal_.arcs[found.series];
         const EpochPair enclosing{found.first, found.last};
         const ArcPart<2> part =
             part_around(arc, times, enclosing, memory_s(arc, enclosing, horizontal_.model));
         // The reference point's crossings were found on its own track.
+        const CrossingTimes straight{.start = found.start, .end = found.end};
         const CrossingTimes crossed =
-            counts_craft(profile) ? CrossingTimes{.start = found.start, .end = found.end}
+            counts_craft(profile) ? straight
                                   : smoothed_crossings(part.arc, part.times, horizontal_.model,
-                                                       {.start = found.start, .end = found.end},
-                                                       gates.start, gates.finish);
+                                                       straight, gates.start, gates.finish);
         found.start = crossed.start;
         found.end = crossed.end;
         found.first =
@@ -284,22 +295,9 @@ class ReceiverEstimates {
             1;
         found.last =
             static_cast<std::size_t>(std::ranges::lower_bound(times, found.end) - times.begin());
-        found.speed_m_s = gates.length_m / (found.end.seconds() - found.start.seconds());
+        found.speed_m_s = gates.length_m / found.duration_s();
         if (listed != all.end()) *listed = found;
-        SpeedQuantity quantity = quantity_of(profile);
-        quantity.length_m = gates.length_m;
-        quantity.start_normal = along_course(gates.start);
-        quantity.finish_normal = along_course(gates.finish);
-        return certify_by_positions(
-            horizontal_, {.profile = profile,
-                          .found = found,
-                          .all = all,
-                          .quantity = quantity,
-                          .length_standard_uncertainty_m = gates.length_standard_uncertainty_m,
-                          .craft = craft_of(profile, found, Dimension::horizontal),
-                          .files_attested = files_attested,
-                          .contradictions = contradictions,
-                          .extent = extent});
+        return all;
     }
 
     const ScreenedTable& screened_;
@@ -321,18 +319,6 @@ struct Choice {
     std::vector<FoundWindow> chosen;
     std::string missing;
     bool refused = false;  ///< a passage over the course was
-};
-
-/// The data in which a profile's windows are searched.
-struct Candidates {
-    const ScreenedTable& screened;
-    const TrajectoryTable& trajectory;
-    const std::vector<ArcRows>& rows;
-    const Profile& profile;
-    const std::optional<SurveyedCourse>& gates;
-    WindowCriteria rule;
-    std::vector<SampleSeries> series;
-    bool files_attested = true;  ///< whether second files count
 };
 
 Candidates candidates_of(const ScreenedTable& screened, const TrajectoryTable& trajectory,
@@ -480,8 +466,7 @@ std::vector<CertifiableWindow> certified_windows(const ReceiverEstimates& estima
                                                  std::span<const Contradiction> contradictions) {
     std::vector<CertifiableWindow> certified;
     for (const FoundWindow& found : choice.chosen) {
-        certified.push_back(estimates.certify(among.profile, found, choice.all, among.gates,
-                                              among.files_attested, contradictions));
+        certified.push_back(estimates.certify(among, found, choice.all, contradictions));
         std::erase_if(choice.all, [&](const FoundWindow& one) { return overlap(one, found); });
     }
     return certified;
@@ -494,7 +479,7 @@ bool cover_what_contradicts(const std::vector<CertifiableWindow>& others,
     const auto covers = [&](const WitnessedSpeed& contradicting) {
         return std::ranges::all_of(others, [&](const CertifiableWindow& window) {
             return std::ranges::any_of(window.witnesses, [&](const WitnessedSpeed& one) {
-                return one.kind == contradicting.kind && one.receiver == contradicting.receiver;
+                return is_same_witness(one, contradicting);
             });
         });
     };
@@ -553,11 +538,11 @@ class ProofSearch {
     bool learn(const FoundWindow& found, const CertifiableWindow& window) {
         bool is_new = contradicted({window}) && !is_wrong(found);
         if (contradicted({window})) wrong_.push_back(found);
-        contradicting_ |= estimates_.contradicting(among_.profile, window, among_.files_attested);
+        contradicting_ |= estimates_.contradicting(among_, window);
         for (Contradiction& one : estimates_.contradictions_in(among_.profile, found, window)) {
             const bool is_known = std::ranges::any_of(contradictions_, [&](const auto& other) {
-                return other.series == one.series && other.kind == one.kind &&
-                       other.receiver == one.receiver && other.window.first_s == one.window.first_s;
+                return other.series == one.series && is_same_witness(other, one) &&
+                       other.window.first_s == one.window.first_s;
             });
             if (is_known) continue;
             contradictions_.push_back(std::move(one));
@@ -632,9 +617,8 @@ class ProofSearch {
                 }))
                 continue;
             if (std::ssize(trials_) == most) break;
-            const CertifiableWindow window =
-                estimates_.certify(among_.profile, one, all, among_.gates, among_.files_attested,
-                                   contradictions_, CertificateExtent::to_compare);
+            const CertifiableWindow window = estimates_.certify(among_, one, all, contradictions_,
+                                                                CertificateExtent::to_compare);
             if (learn(one, window) && !is_last) return true;
             trials_.push_back(
                 {.found = one,
@@ -654,8 +638,7 @@ class ProofSearch {
 
     WindowQuality quality_of(const FoundWindow& one) const {
         WindowQuality quality = qualities_(one);
-        quality.witnesses =
-            estimates_.covering(among_.profile, one, among_.files_attested, contradicting_);
+        quality.witnesses = estimates_.covering(among_, one, contradicting_);
         return quality;
     }
 
@@ -873,15 +856,10 @@ BothWindows windows_of(const ScreenedTable& screened, const TrajectoryTable& tra
         entry.missing = fmt::format("{}", fmt::join(entry.part->missing, "; "));
         return {entry, entry};
     }
-    if (profile.dimension != Dimension::horizontal && !estimates.has_heights()) {
-        entry.missing = "the recording has no heights that could be estimated";
-        return {entry, entry};
-    }
-    if (std::string unknown = estimates.craft_is_unknown(profile, config); !unknown.empty()) {
-        entry.missing = std::move(unknown);
-        return {entry, entry};
-    }
-    entry.missing = constant_speed_text(screened, trajectory, profile);
+    entry.missing = profile.dimension != Dimension::horizontal && !estimates.has_heights()
+                        ? "the recording has no heights that could be estimated"
+                        : estimates.craft_is_unknown(profile, config);
+    if (entry.missing.empty()) entry.missing = constant_speed_text(screened, trajectory, profile);
     if (!entry.missing.empty()) return {entry, entry};
     const Candidates among = candidates_of(screened, estimates.trajectory_for(profile),
                                            estimates.rows(), profile, config, gates, entry.part);
@@ -898,22 +876,6 @@ BothWindows windows_of(const ScreenedTable& screened, const TrajectoryTable& tra
             "as recorded the track passes over the course, but not within one stretch of usable "
             "epochs";
     return certify_both(estimates, among, choice, entry, records);
-}
-
-/// Profiles are certified in parallel. Which of several failures is reported must not depend on
-/// timing.
-struct ProfileOrFailure {
-    std::optional<BothWindows> windows;
-    std::exception_ptr failure;
-};
-
-template <class Task>
-ProfileOrFailure result_or_failure(const Task& task) {
-    try {
-        return {task(), nullptr};
-    } catch (...) {
-        return {std::nullopt, std::current_exception()};
-    }
 }
 
 }  // namespace
@@ -949,17 +911,14 @@ Windows find_windows(const ScreenedTable& screened, const TrajectoryTable& traje
     if (course) gates = surveyed_course(*course, trajectory.origin);
     const auto one = [&](std::int64_t i) {
         const Profile& profile = profiles[static_cast<std::size_t>(i)];
-        return result_or_failure([&] {
-            if (profile.window_kind == WindowKind::course && !gates)
-                throw Failure("attempt", "the profile " + profile.id + " needs a course",
-                              "Run runcert-import again, with the same attempt");
-            return windows_of(screened, trajectory, estimates, profile, config, gates, records);
-        });
+        if (profile.window_kind == WindowKind::course && !gates)
+            throw Failure("attempt", "the profile " + profile.id + " needs a course",
+                          "Run runcert-import again, with the same attempt");
+        return windows_of(screened, trajectory, estimates, profile, config, gates, records);
     };
-    for (ProfileOrFailure& entry : results_of(std::ssize(profiles), threads_allowed(), one)) {
-        if (entry.failure) std::rethrow_exception(entry.failure);
-        windows.profiles.push_back(std::move(entry.windows->front()));
-        windows.with_files.push_back(std::move(entry.windows->back()));
+    for (auto& [before, after] : results_of(std::ssize(profiles), threads_allowed(), one)) {
+        windows.profiles.push_back(std::move(before));
+        windows.with_files.push_back(std::move(after));
     }
     const auto depends = [&](const Profile& profile) {
         return estimates.depends_on_files(profile);

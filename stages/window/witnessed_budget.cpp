@@ -58,11 +58,6 @@ Combination combination_of(const SpeedEvidence& evidence, double fault_m_s,
     return found;
 }
 
-void scale(BudgetRow& row, double factor) {
-    row.sensitivity *= factor;
-    row.contribution_m_s *= factor;
-}
-
 /// The budget of the weighted mean, from that of the positions alone. The witnesses are those with
 /// a share, in the order of the combination's speeds.
 std::vector<BudgetRow> rows_of(std::vector<BudgetRow> rows, const Combination& of,

@@ -179,8 +179,8 @@ std::string contradiction_text(const AssessedWitness<2>& witness, const Screened
 std::string unconfirming_text(const AssessedWitness<2>& witness, const WindowSpan& span,
                               const std::string& profile) {
     const double start_s = span.start.seconds();
-    const auto moved = witness.motion->between(start_s, start_s + span.duration.seconds());
-    if (!moved || moved->confirms) return {};
+    const auto motion = witness.motion->between(start_s, start_s + span.duration.seconds());
+    if (!motion || motion->confirms) return {};
     return fmt::format("The {} confirm nothing of the window certified under {}: {}.",
                        words_of(witness.kind), profile, witness_entry(witness.kind).unconfirming);
 }
@@ -190,73 +190,87 @@ double sigma_of_difference(const WitnessedSpeed& one) {
 }
 
 template <int Axes>
-double displacement_ratio(const WitnessedMotion<Axes>& moved,
+double displacement_ratio(const WitnessedMotion<Axes>& motion,
                           const PositionFigures<Axes>& positions) {
     const double sigma_m = positions.speed.alone_m_s() * positions.duration_s();
     const PositionMatrix<Axes> covariance =
-        moved.covariance_m2 + sigma_m * sigma_m * PositionMatrix<Axes>::Identity();
-    const PositionVector<Axes> difference = positions.displacement_m - moved.displacement_m;
+        motion.covariance_m2 + sigma_m * sigma_m * PositionMatrix<Axes>::Identity();
+    const PositionVector<Axes> difference = positions.displacement_m - motion.displacement_m;
     return over_chance(difference.dot(covariance.inverse() * difference), Axes);
 }
 
+namespace {
+
+/// The speed of a window by a witness, with its error along the displacement by positions. Empty if
+/// the rule measures a path, and the witness knows none.
 template <int Axes>
-std::optional<WitnessedSpeed> witnessed_speed(const AssessedWitness<Axes>& witness,
-                                              const PositionFigures<Axes>& positions) {
-    if (witness.is_copy) return std::nullopt;
-    auto moved = witness.motion->between(positions.start_s, positions.end_s);
-    if (!moved) return std::nullopt;
+std::optional<SpeedBySource> speed_by(const AssessedWitness<Axes>& witness,
+                                      const WitnessedMotion<Axes>& motion,
+                                      const PositionFigures<Axes>& positions) {
     const double duration_s = positions.duration_s();
-    if (witness.kind == WitnessKind::receiver) {
-        const double slow_m = positions.speed.slow_m_s * duration_s;
-        moved->covariance_m2 += slow_m * slow_m * PositionMatrix<Axes>::Identity();
-    }
-    std::optional<double> path_m = moved->displacement_m.norm();
-    if (positions.by_path)
-        path_m = witness.motion->path_between(positions.start_s, positions.end_s);
+    const std::optional<double> path_m =
+        positions.by_path ? witness.motion->path_between(positions.start_s, positions.end_s)
+                          : motion.displacement_m.norm();
     if (!path_m) return std::nullopt;
     const double length_m = positions.displacement_m.norm();
     // For a craft that hardly moved, any direction will do.
     const PositionVector<Axes> along =
         length_m > 0.0 ? PositionVector<Axes>(positions.displacement_m / length_m)
                        : PositionVector<Axes>::Unit(0);
-    const SpeedBySource by_witness{
-        .speed_m_s = *path_m / duration_s,
-        .own_m_s = std::sqrt(along.dot(moved->covariance_m2 * along)) / duration_s,
-        .fault = witness_entry(witness.kind).fault(positions.speed.fault)};
+    return SpeedBySource{.speed_m_s = *path_m / duration_s,
+                         .own_m_s = std::sqrt(along.dot(motion.covariance_m2 * along)) / duration_s,
+                         .fault = witness_entry(witness.kind).fault(positions.speed.fault)};
+}
+
+}  // namespace
+
+template <int Axes>
+std::optional<WitnessedSpeed> witnessed_speed(const AssessedWitness<Axes>& witness,
+                                              const PositionFigures<Axes>& positions) {
+    if (witness.is_copy) return std::nullopt;
+    auto motion = witness.motion->between(positions.start_s, positions.end_s);
+    if (!motion) return std::nullopt;
+    const double duration_s = positions.duration_s();
+    if (witness.kind == WitnessKind::receiver) {
+        const double slow_m = positions.speed.slow_m_s * duration_s;
+        motion->covariance_m2 += slow_m * slow_m * PositionMatrix<Axes>::Identity();
+    }
+    const auto by_witness = speed_by(witness, *motion, positions);
+    if (!by_witness) return std::nullopt;
     WitnessedSpeed witnessed;
     witnessed.kind = witness.kind;
     witnessed.receiver = witness.receiver;
     witnessed.origin = origin_of(witness.kind).front();
-    witnessed.speed_m_s = by_witness.speed_m_s;
+    witnessed.speed_m_s = by_witness->speed_m_s;
     if (witness.kind == WitnessKind::phases)
         witnessed.shared_standard_uncertainty_m_s =
             std::numbers::sqrt2 * shared_by_phases_m / duration_s;
-    witnessed.standard_uncertainty_m_s = by_witness.own_m_s;
-    witnessed.difference_m_s = positions.speed.speed_m_s - by_witness.speed_m_s;
+    witnessed.standard_uncertainty_m_s = by_witness->own_m_s;
+    witnessed.difference_m_s = positions.speed.speed_m_s - by_witness->speed_m_s;
     witnessed.position_standard_uncertainty_m_s = positions.speed.alone_m_s();
     const double sigma_m_s = sigma_of_difference(witnessed);
-    witnessed.chance_error = displacement_ratio(*moved, positions);
+    witnessed.chance_error = displacement_ratio(*motion, positions);
     witnessed.normalised_error =
         std::max(std::abs(witnessed.difference_m_s) / (2.0 * sigma_m_s), *witnessed.chance_error);
-    const PositionVector<Axes> apart = positions.displacement_m - moved->displacement_m;
+    const PositionVector<Axes> apart = positions.displacement_m - motion->displacement_m;
     witnessed.apart_m = apart.norm();
     if constexpr (Axes == 2) witnessed.apart_azimuth_deg = azimuth_deg(apart.x(), apart.y());
     if (witness.phases) {
         const PhaseInterruptions within =
             witness.phases->interruptions(positions.start_s, positions.end_s);
-        witnessed.satellites = moved->satellites;
+        witnessed.satellites = motion->satellites;
         witnessed.slips = within.slips;
         witnessed.refusals = within.refusals;
     }
-    witnessed.fault_probability = by_witness.fault.probability;
-    witnessed.fault_m_s = by_witness.fault.largest_m_s;
-    const std::vector<double> at_fault = fault_posteriors(std::array{positions.speed, by_witness});
+    witnessed.fault_probability = by_witness->fault.probability;
+    witnessed.fault_m_s = by_witness->fault.largest_m_s;
+    const std::vector<double> at_fault = fault_posteriors(std::array{positions.speed, *by_witness});
     witnessed.fault_posterior = at_fault[0] + at_fault[1];
     witnessed.undetected_m_s =
         std::min(positions.speed.fault.largest_m_s, found_in_units * sigma_m_s);
     witnessed.unanswered = witness.unanswered;
-    witnessed.confirms = witness.confirms && moved->confirms;
-    witnessed.calibrated_by_positions = moved->calibrated_by_positions;
+    witnessed.confirms = witness.confirms && motion->confirms;
+    witnessed.calibrated_by_positions = motion->calibrated_by_positions;
     return witnessed;
 }
 

@@ -41,6 +41,11 @@ struct WitnessRecords {
     std::optional<AntennaMotion> antenna_motion = std::nullopt;
 };
 
+/// Whether two findings are of the same witness.
+bool is_same_witness(const auto& one, const auto& other) {
+    return one.kind == other.kind && one.receiver == other.receiver;
+}
+
 /// Whether a witness comes from a file beside the recording that is judged.
 inline bool is_second_file(WitnessKind kind, const WitnessRecords& records) {
     return kind != WitnessKind::velocities && !(kind == WitnessKind::phases && records.own_phases);
@@ -89,7 +94,7 @@ struct PositionFigures {
 /// The difference of the displacements by positions and by a witness, divided by the largest that
 /// occurs by chance once in a thousand. Above 1 they contradict each other.
 template <int Axes>
-double displacement_ratio(const WitnessedMotion<Axes>& moved,
+double displacement_ratio(const WitnessedMotion<Axes>& motion,
                           const PositionFigures<Axes>& positions);
 
 /// The speed of a window by a witness, compared with that by positions. Empty if the witness

@@ -841,16 +841,10 @@ BothWindows windows_of(const ScreenedTable& screened, const TrajectoryTable& tra
                        const ReceiverEstimates& estimates, const Profile& profile,
                        const WindowConfig& config, const std::optional<SurveyedCourse>& gates,
                        const WitnessRecords& records) {
-    ProfileWindows entry{.profile = profile.id,
-                         .rule = rule_of(profile),
-                         .candidates = 0,
-                         .missing = {},
-                         .best = std::nullopt,
-                         .fastest = std::nullopt,
-                         .further = {},
-                         .part = counted_part(screened, trajectory, profile, config.part, gates),
-                         .score = std::nullopt,
-                         .indicated = std::nullopt};
+    ProfileWindows entry;
+    entry.profile = profile.id;
+    entry.rule = rule_of(profile);
+    entry.part = counted_part(screened, trajectory, profile, config.part, gates);
     entry.indicated = fastest_indicated(screened, profile, config, gates, entry.part);
     if (entry.part && !entry.part->from) {
         entry.missing = fmt::format("{}", fmt::join(entry.part->missing, "; "));

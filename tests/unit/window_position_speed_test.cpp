@@ -229,7 +229,7 @@ TEST(OtherEstimates, SayHowMuchHangsOnTheModel) {
         const auto by_weights = speed_weights(at, quantity);
         const PositionSpeed measured = speed_by_positions(at, quantity, by_weights, bound_of());
         return std::pair(measured.speed.speed_m_s,
-                         other_estimates(at, quantity, by_weights, noise));
+                         other_estimates(at, quantity, by_weights, measured));
     };
     const auto [speed, other] = estimates_of(0.6);
     EXPECT_NEAR(other.stiffer_m_s, estimates_of(0.6 / std::sqrt(10.0)).first, 1e-9);
@@ -435,7 +435,7 @@ TEST(OtherEstimates, OfOneDensityForAllIsTheEstimateThatDoesNotFollowTheMotion) 
         const auto by_weights = speed_weights(at, quantity);
         const PositionSpeed measured = speed_by_positions(at, quantity, by_weights, bound_of());
         return std::pair(measured.speed.speed_m_s,
-                         other_estimates(at, quantity, by_weights, noise));
+                         other_estimates(at, quantity, by_weights, measured));
     };
     const double even_m_s = other_of(stretch.epochs).first;
     const auto [followed_m_s, other] = other_of(test::with_changing_motion(stretch.epochs));
@@ -456,7 +456,7 @@ TEST(OtherEstimates, OfSamplesNoModelChangesAnything) {
     samples.of_samples = true;
     const auto by_weights = speed_weights(at, samples);
     const PositionSpeed measured = speed_by_positions(at, samples, by_weights, bound_of());
-    const OtherEstimates other = other_estimates(at, samples, by_weights, noise);
+    const OtherEstimates other = other_estimates(at, samples, by_weights, measured);
     EXPECT_EQ(other.half_width_m_s, 0.0);
     EXPECT_EQ(other.stiffer_m_s, measured.speed.speed_m_s);
     EXPECT_EQ(other.softer_m_s, measured.speed.speed_m_s);
@@ -475,7 +475,7 @@ TEST(OtherEstimates, AChordIsOfMeasuredEnds) {
                                     .duration_s = stretch.duration_s};
         const auto by_weights = speed_weights(at, {definition});
         const PositionSpeed measured = speed_by_positions(at, {definition}, by_weights, bound_of());
-        return other_estimates(at, {definition}, by_weights, noise).chord_m_s.has_value();
+        return other_estimates(at, {definition}, by_weights, measured).chord_m_s.has_value();
     };
     EXPECT_TRUE(has_chord(SpeedDefinition::displacement));
     EXPECT_FALSE(has_chord(SpeedDefinition::path_length));

@@ -117,7 +117,7 @@ Chain<Axes>::Chain(std::span<const ArcEpoch<Axes>> arc, const EstimationModel& m
                 kernel::carry_information_back<Axes>(step_after(k), epoch.information.data());
             }
         }
-        if (epoch.measured) take_in_backwards(epoch, backward);
+        if (epoch.measured) update_backwards(epoch, backward);
     }
     smooth_vague_states();
 }
@@ -149,7 +149,7 @@ void Chain<Axes>::go_forward(std::span<const ArcEpoch<Axes>> arc) {
 
 /// From what later epochs say to what this one and they do.
 template <int Axes>
-void Chain<Axes>::take_in_backwards(Epoch& epoch, Backward backward) const {
+void Chain<Axes>::update_backwards(Epoch& epoch, Backward backward) const {
     StateMatrix<Axes>& information = epoch.information;
     PositionVector<Axes> scores;
     PositionMatrix<Axes> precisions;

@@ -192,7 +192,7 @@ class Chain {
         return steps_[epochs_[k].step];
     }
     void go_forward(std::span<const ArcEpoch<Axes>> arc);
-    void take_in_backwards(Epoch& epoch, Backward backward) const;
+    void update_backwards(Epoch& epoch, Backward backward) const;
     void smooth_vague_states();
     /// The gain of the RTS recursion [YSM22]: P[k|k] F' inverse(P[k+1|k]).
     StateMatrix<Axes> smoother_gain(std::size_t k, const StateEstimate<Axes>& filtered) const;

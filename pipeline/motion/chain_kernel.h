@@ -335,8 +335,8 @@ Compared<Axes, Number> compare(const Whitening<Axes>& white, int j, const Number
 
 /// Updates a mean with a measured value, and sets the innovation.
 template <int Axes, class Number>
-void take_in_mean(const Whitening<Axes>& white, int j, double measured,
-                  Compared<Axes, Number>& seen, Number* mean) {
+void update_mean(const Whitening<Axes>& white, int j, double measured, Compared<Axes, Number>& seen,
+                 Number* mean) {
     seen.innovation = measured - observed<Axes>(white, j, mean);
     const Number weight = seen.innovation / seen.variance;
     for (int row = 0; row < state_size<Axes>; ++row)
@@ -345,10 +345,10 @@ void take_in_mean(const Whitening<Axes>& white, int j, double measured,
 
 /// Takes in coordinate `j` of a measured position, of that whitened value and own variance.
 template <int Axes, class Number>
-Compared<Axes, Number> take_in(const Whitening<Axes>& white, int j, double measured,
-                               const Number& own_variance, Number* mean, Number* p) {
+Compared<Axes, Number> update(const Whitening<Axes>& white, int j, double measured,
+                              const Number& own_variance, Number* mean, Number* p) {
     Compared<Axes, Number> seen = compare<Axes>(white, j, own_variance, p);
-    take_in_mean<Axes>(white, j, measured, seen, mean);
+    update_mean<Axes>(white, j, measured, seen, mean);
     reduce_covariance<Axes>(white, j, seen, p);
     return seen;
 }

@@ -23,7 +23,7 @@ double square(double x) {
 
 /// Whether a fault of source j moves the speed by source i.
 bool moves(std::span<const SpeedBySource> speeds, std::size_t j, std::size_t i) {
-    return i == j || (j == 0 && speeds[i].shares_fault);
+    return i == j || (j == 0 && speeds[i].fault_is_common);
 }
 
 /// What the differences of the sources say, by the formulas of the header.
@@ -104,22 +104,22 @@ MeanSpeed mean_of(std::span<const SpeedBySource> speeds, double fault_m_s) {
             slow(i, k) = square(std::min(at(i).slow_m_s, at(k).slow_m_s));
             covariance(i, k) = slow(i, k);
             if (i == k) covariance(i, k) += square(at(i).own_m_s) + square(least_own_m_s);
-            if ((i == 0 || at(i).shares_fault) && (k == 0 || at(k).shares_fault))
+            if ((i == 0 || at(i).fault_is_common) && (k == 0 || at(k).fault_is_common))
                 covariance(i, k) += square(fault_m_s);
         }
-    std::vector<Eigen::Index> kept(speeds.size());
-    std::iota(kept.begin(), kept.end(), Eigen::Index{0});
+    std::vector<Eigen::Index> remaining(speeds.size());
+    std::iota(remaining.begin(), remaining.end(), Eigen::Index{0});
     Eigen::VectorXd weights = Eigen::VectorXd::Zero(size);
     for (bool found = false; !found;) {
-        const Eigen::MatrixXd of_kept = covariance(kept, kept);
+        const Eigen::MatrixXd of_remaining = covariance(remaining, remaining);
         const Eigen::VectorXd inverse =
-            of_kept.ldlt().solve(Eigen::VectorXd::Ones(std::ssize(kept)));
+            of_remaining.ldlt().solve(Eigen::VectorXd::Ones(std::ssize(remaining)));
         Eigen::Index least = 0;
-        found = kept.size() == 1 || inverse.minCoeff(&least) >= 0.0;
+        found = remaining.size() == 1 || inverse.minCoeff(&least) >= 0.0;
         if (found)
-            weights(kept) = inverse / inverse.sum();
+            weights(remaining) = inverse / inverse.sum();
         else
-            kept.erase(kept.begin() + least);
+            remaining.erase(remaining.begin() + least);
     }
     MeanSpeed mean{.weights = {weights.begin(), weights.end()},
                    .standard_uncertainty_m_s = std::sqrt(weights.dot(covariance * weights)),

@@ -44,7 +44,7 @@ struct SpeedBySource {
     /// False: its time-correlated error is the first source's, so that no difference shows it.
     bool slow_differs = true;
     /// Whether it was calibrated by the first source: a fault of that is then its own, too.
-    bool shares_fault = false;
+    bool fault_is_common = false;
     FaultPrior fault = {};
 
     /// Standard uncertainty as a difference from other sources shows it.

@@ -62,8 +62,8 @@ void KalmanFilter<Axes>::carry_to(StateEstimate<Axes>& estimate, const ArcEpoch<
 }
 
 template <int Axes>
-Innovation<Axes> KalmanFilter<Axes>::take_in(StateEstimate<Axes>& estimate,
-                                             const PositionMeasurement<Axes>& measurement) const {
+Innovation<Axes> KalmanFilter<Axes>::update(StateEstimate<Axes>& estimate,
+                                            const PositionMeasurement<Axes>& measurement) const {
     const double scale = model_.measurement_scale * model_.measurement_scale;
     Innovation<Axes> seen;
     seen.white = kernel::whitening_of<Axes>(measurement.covariance);
@@ -71,8 +71,8 @@ Innovation<Axes> KalmanFilter<Axes>::take_in(StateEstimate<Axes>& estimate,
         const double measured = kernel::whitened<Axes>(
             seen.white, j, [&](int axis) { return measurement.position(axis); });
         seen.coordinates[j] =
-            kernel::take_in<Axes>(seen.white, j, measured, scale * seen.white.variance[j],
-                                  estimate.mean.data(), estimate.covariance.data());
+            kernel::update<Axes>(seen.white, j, measured, scale * seen.white.variance[j],
+                                 estimate.mean.data(), estimate.covariance.data());
     }
     kernel::mirror<state_size<Axes>>(estimate.covariance.data());
     return seen;

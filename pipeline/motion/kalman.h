@@ -91,8 +91,8 @@ class KalmanFilter {
                   const ArcEpoch<Axes>& to);
 
     /// Updates the estimate with a measurement, whose covariance must be positive definite.
-    Innovation<Axes> take_in(StateEstimate<Axes>& estimate,
-                             const PositionMeasurement<Axes>& measurement) const;
+    Innovation<Axes> update(StateEstimate<Axes>& estimate,
+                            const PositionMeasurement<Axes>& measurement) const;
 
     /// For a kind of step: the five numbers of its transition.
     const kernel::StepNumbers<double>& numbers_of(const StepKind& kind);
@@ -157,7 +157,7 @@ void filter_along(KalmanFilter<Axes>& filter, std::span<const ArcEpoch<Axes>> ar
             continue;
         }
         require_positive_definite<Axes>(arc[k].measurement->covariance, arc[k].time_s);
-        Innovation<Axes> seen = filter.take_in(estimate, *arc[k].measurement);
+        Innovation<Axes> seen = filter.update(estimate, *arc[k].measurement);
         seen.tests_model = !unknowns.determined_by_measurement();
         visit(k, predicted, &seen, estimate);
     }

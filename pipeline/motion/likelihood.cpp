@@ -89,7 +89,7 @@ class ForwardPass {
 
     /// Calls `count` with the innovation of each coordinate and its variance.
     template <class Count>
-    void take_in(const ArcEpoch<Axes>& epoch, const Count& count) {
+    void update(const ArcEpoch<Axes>& epoch, const Count& count) {
         const PositionMeasurement<Axes>& measurement = *epoch.measurement;
         const auto white = kernel::whitening_of<Joint>(
             measurement.covariance.template topLeftCorner<Joint, Joint>());
@@ -101,7 +101,7 @@ class ForwardPass {
             for (int m = 0; m < Axes / Joint; ++m) {
                 const double measured = kernel::whitened<Joint>(
                     white, j, [&](int axis) { return measurement.position(m * Joint + axis); });
-                kernel::take_in_mean<Joint>(white, j, measured, seen, mean(m).data());
+                kernel::update_mean<Joint>(white, j, measured, seen, mean(m).data());
                 count(seen.innovation, seen.variance);
             }
             kernel::reduce_covariance<Joint>(white, j, seen, covariance_.data());
@@ -172,7 +172,7 @@ class Likelihood {
             if (k > 0) pass.carry(step_kind(arc[k - 1], arc[k]));
             if (arc[k].measurement) {
                 const bool counts = !unknowns.determined_by_measurement();
-                pass.take_in(arc[k], [&](const SideBySide& innovation, const SideBySide& variance) {
+                pass.update(arc[k], [&](const SideBySide& innovation, const SideBySide& variance) {
                     if (!counts) return;
                     statistic_ += innovation * innovation / variance;
                     for (std::size_t i = 0; i < models_side_by_side; ++i)

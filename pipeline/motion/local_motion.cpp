@@ -8,17 +8,17 @@ namespace runcert {
 namespace {
 
 constexpr double block_s = 2.0;
-constexpr std::size_t blocks_beside = 5;  // on each side: 22 s in all
-constexpr double prior_sd = 2.0;          // of the logarithm of the ratio of a local density to
-                                          // that of the whole recording
+constexpr std::size_t blocks_each_side = 5;  // on each side: 22 s in all
+constexpr double prior_sd = 2.0;             // of the logarithm of the ratio of a local density to
+                                             // that of the whole recording
 
 // The grid of densities, in units of the measurement scale, evenly spaced in the logarithm.
 constexpr double log_least = -4.6;  // 0.01 m s^-2.5
 constexpr double log_step = 1.0;
 constexpr std::size_t grid_points = 11;
 
-double log_density_at(double place) {
-    return log_least + log_step * place;
+double log_density_at(double grid_point) {
+    return log_least + log_step * grid_point;
 }
 
 std::vector<EstimationModel> grid_models() {
@@ -35,7 +35,7 @@ using BlockSums = std::vector<InnovationSums>;
 struct Blocks {
     std::vector<std::size_t> ends;  ///< for each block, one past its last epoch
     std::vector<BlockSums> sums;
-    std::vector<double> places;  ///< in the grid, of the most likely density around each block
+    std::vector<double> grid_points;  ///< in the grid, of the most likely density around each block
 };
 
 template <int Axes>
@@ -53,14 +53,14 @@ std::vector<std::size_t> block_ends(std::span<const ArcEpoch<Axes>> arc) {
 
 template <int Axes>
 Blocks blocks_of(std::span<const ArcEpoch<Axes>> arc, std::span<const EstimationModel> models) {
-    Blocks blocks{.ends = block_ends(arc), .sums = {}, .places = {}};
+    Blocks blocks{.ends = block_ends(arc), .sums = {}, .grid_points = {}};
     const auto by_model = innovation_sums_along<Axes>(arc, models, blocks.ends);
     for (std::size_t b = 0; b < blocks.ends.size(); ++b) {
         BlockSums& sums = blocks.sums.emplace_back();
         for (const auto& of_model : by_model)
             sums.push_back(of_model[b]);
     }
-    blocks.places.assign(blocks.ends.size(), 0.0);
+    blocks.grid_points.assign(blocks.ends.size(), 0.0);
     return blocks;
 }
 
@@ -72,11 +72,13 @@ void add(BlockSums& sum, const BlockSums& more, double sign) {
 }
 
 /// The place in the grid where the likelihood of these sums times the prior is largest. No prior
-/// applies where `whole_place` is empty.
-double best_place(const BlockSums& sums, double scale, std::optional<double> whole_place) {
+/// applies where `whole_grid_point` is empty.
+double best_grid_point(const BlockSums& sums, double scale,
+                       std::optional<double> whole_grid_point) {
     const auto value = [&](std::size_t i) {
-        const double away =
-            whole_place ? log_step * (static_cast<double>(i) - *whole_place) / prior_sd : 0.0;
+        const double away = whole_grid_point
+                                ? log_step * (static_cast<double>(i) - *whole_grid_point) / prior_sd
+                                : 0.0;
         return -0.5 * (sums[i].statistic / (scale * scale) + sums[i].log_determinant + away * away);
     };
     std::size_t best = 0;
@@ -90,17 +92,17 @@ double best_place(const BlockSums& sums, double scale, std::optional<double> who
     return static_cast<double>(best) + std::clamp(move, -0.5, 0.5);
 }
 
-void place_blocks(Blocks& blocks, double scale, double whole_place) {
+void set_grid_points(Blocks& blocks, double scale, double whole_grid_point) {
     const std::size_t count = blocks.sums.size();
     BlockSums about(grid_points);
     std::size_t first = 0;
     std::size_t end = 0;
     for (std::size_t b = 0; b < count; ++b) {
-        for (; end < std::min(count, b + blocks_beside + 1); ++end)
+        for (; end < std::min(count, b + blocks_each_side + 1); ++end)
             add(about, blocks.sums[end], 1.0);
-        for (; first + blocks_beside < b; ++first)
+        for (; first + blocks_each_side < b; ++first)
             add(about, blocks.sums[first], -1.0);
-        blocks.places[b] = best_place(about, scale, whole_place);
+        blocks.grid_points[b] = best_grid_point(about, scale, whole_grid_point);
     }
 }
 
@@ -111,7 +113,7 @@ double best_scale(const std::vector<Blocks>& arcs) {
     for (const Blocks& arc : arcs)
         for (std::size_t b = 0; b < arc.sums.size(); ++b) {
             const InnovationSums& sums =
-                arc.sums[b][static_cast<std::size_t>(std::lround(arc.places[b]))];
+                arc.sums[b][static_cast<std::size_t>(std::lround(arc.grid_points[b]))];
             statistic += sums.statistic;
             values += sums.values;
         }
@@ -143,18 +145,19 @@ LocalMotion local_motion(std::span<const std::span<const ArcEpoch<Axes>>> arcs) 
     for (std::size_t i = 1; i < grid_points; ++i)
         if (profiled(i) < profiled(best)) best = i;
     motion.scale = std::sqrt(whole[best].statistic / n);
-    const double whole_place = best_place(whole, motion.scale, std::nullopt);
-    motion.whole = motion.scale * std::exp(log_density_at(whole_place));
+    const double whole_grid_point = best_grid_point(whole, motion.scale, std::nullopt);
+    motion.whole = motion.scale * std::exp(log_density_at(whole_grid_point));
     constexpr int rounds = 3;
     for (int round = 0; round < rounds; ++round) {
         for (Blocks& arc : all)
-            place_blocks(arc, motion.scale, whole_place);
+            set_grid_points(arc, motion.scale, whole_grid_point);
         motion.scale = best_scale(all);
     }
     for (const Blocks& arc : all) {
         std::vector<double>& density = motion.jerk_density.emplace_back();
         for (std::size_t b = 0; b < arc.ends.size(); ++b)
-            density.resize(arc.ends[b], motion.scale * std::exp(log_density_at(arc.places[b])));
+            density.resize(arc.ends[b],
+                           motion.scale * std::exp(log_density_at(arc.grid_points[b])));
     }
     return motion;
 }

@@ -102,8 +102,8 @@ Quadratic quadratic_through(double value, const std::vector<double>& values, std
             } else {
                 const double rescaled = own * other / (before(a, a) * before(b, b));
                 // A parameter that changed nothing before has no mixed curvature to keep.
-                const bool is_told = std::isfinite(rescaled) && rescaled > 0.0;
-                mixed = is_told ? before(a, b) * std::sqrt(rescaled) : 0.0;
+                const bool is_determined = std::isfinite(rescaled) && rescaled > 0.0;
+                mixed = is_determined ? before(a, b) * std::sqrt(rescaled) : 0.0;
             }
             found.curvature(b, a) = mixed;
         }
@@ -178,9 +178,9 @@ Best NoiseSearch<Axes>::maximise(const Best& start, const std::vector<bool>& is_
         // A parameter stays at its limit where the slope leads beyond it.
         for (std::size_t a = 0; a < free.size(); ++a) {
             const auto i = static_cast<Eigen::Index>(a);
-            const bool held = (x[free[a]] <= lower_bound(free[a]) && about.slope(i) <= 0.0) ||
-                              (x[free[a]] >= upper_bound(free[a]) && about.slope(i) >= 0.0);
-            if (!held) continue;
+            const bool at_bound = (x[free[a]] <= lower_bound(free[a]) && about.slope(i) <= 0.0) ||
+                                  (x[free[a]] >= upper_bound(free[a]) && about.slope(i) >= 0.0);
+            if (!at_bound) continue;
             about.slope(i) = 0.0;
             about.curvature.row(i).setZero();
             about.curvature.col(i).setZero();

@@ -15,18 +15,18 @@ std::vector<ArcSection> sections_of(std::span<const ArcEpoch<Axes>> epochs, doub
     for (std::size_t first = 0; first < count; first += section_epochs) {
         ArcSection section{.first = first,
                            .end = std::min(first + section_epochs, count),
-                           .taken_first = first - std::min(first, reach),
-                           .taken_end = 0};
-        section.taken_end = std::min(section.end + reach, count);
+                           .used_first = first - std::min(first, reach),
+                           .used_end = 0};
+        section.used_end = std::min(section.end + reach, count);
         const double from_s = epochs[first].time_s - memory_s;
         const double to_s = epochs[section.end - 1].time_s + memory_s;
-        std::size_t& from = section.taken_first;
+        std::size_t& from = section.used_first;
         while (from > 0 && epochs[from - 1].time_s >= from_s)
             --from;
         from -= from % every;
         while (!epochs[from].measurement && from > 0)
             from -= every;
-        std::size_t& to = section.taken_end;
+        std::size_t& to = section.used_end;
         while (to < count && (epochs[to - 1].time_s < to_s || !epochs[to - 1].measurement))
             ++to;
         sections.push_back(section);

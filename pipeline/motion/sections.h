@@ -13,8 +13,8 @@ namespace runcert {
 struct ArcSection {
     std::size_t first = 0;  ///< decides epochs first to end - 1
     std::size_t end = 0;
-    std::size_t taken_first = 0;  ///< includes these; the first and the last have a measurement
-    std::size_t taken_end = 0;
+    std::size_t used_first = 0;  ///< includes these; the first and the last have a measurement
+    std::size_t used_end = 0;
 };
 
 /// Longer stretches are tested in sections of this many epochs, to bound the memory (about 2 kB per

@@ -29,7 +29,7 @@ double clock_polynomial(const Ephemeris& ephemeris, GpsTime time) {
     return ephemeris.clock_offset_s + t * (ephemeris.clock_drift + t * ephemeris.clock_drift_rate);
 }
 
-std::size_t place_of(Satellite satellite) {
+std::size_t index_of(Satellite satellite) {
     return static_cast<std::size_t>(satellite.system) * 100 + satellite.number % 100;
 }
 
@@ -128,7 +128,7 @@ std::optional<std::size_t> Ephemerides::nearest(Satellite satellite, GpsTime tim
 }
 
 std::optional<std::size_t> Ephemerides::choose(Satellite satellite, GpsTime time) {
-    std::optional<std::size_t>& chosen = chosen_[place_of(satellite)];
+    std::optional<std::size_t>& chosen = chosen_[index_of(satellite)];
     const auto is_valid = [&](std::size_t i) {
         return std::abs(time.seconds_since(all_[i].reference)) <= valid_for_s;
     };

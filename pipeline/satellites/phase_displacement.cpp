@@ -26,17 +26,18 @@ double systematic_rate_m_s(std::size_t satellites) {
 }
 
 std::optional<PhaseDisplacement> phase_displacement(std::span<const PhaseChange> changes,
-                                                    const ReceiverPlace& place, double interval_s,
-                                                    const PhaseNoise& noise) {
+                                                    const ReceiverPosition& receiver,
+                                                    double interval_s, const PhaseNoise& noise) {
     const auto count = static_cast<Eigen::Index>(changes.size());
     if (count < 4 || count > most_phase_changes) return std::nullopt;
     // The terms that stay constant from iteration to iteration: all but the second range.
     PhaseVector known_m(count), sigma_m(count);
     for (Eigen::Index i = 0; i < count; ++i) {
         const PhaseChange& change = changes[static_cast<std::size_t>(i)];
-        const LineOfSight first = line_of_sight(change.satellite_m[0], place);
-        known_m[i] = change.phase_m + change.clock_m[1] - change.clock_m[0] + first.range_m +
-                     troposphere_m(place.height_m, std::max(first.sine_of_elevation, least_sine));
+        const LineOfSight first = line_of_sight(change.satellite_m[0], receiver);
+        known_m[i] =
+            change.phase_m + change.clock_m[1] - change.clock_m[0] + first.range_m +
+            troposphere_m(receiver.height_m, std::max(first.sine_of_elevation, least_sine));
         sigma_m[i] = std::sqrt(noise.variance_m2(first.sine_of_elevation, interval_s));
     }
     PhaseDisplacement result;
@@ -46,8 +47,8 @@ std::optional<PhaseDisplacement> phase_displacement(std::span<const PhaseChange>
     result.design.resize(count, 4);
     bool settled = false;
     for (int step = 0; step < 8 && !settled; ++step) {
-        ReceiverPlace second = place;
-        second.position_m += place.enu_from_ecef.transpose() * state.head<3>();
+        ReceiverPosition second = receiver;
+        second.position_m += receiver.enu_from_ecef.transpose() * state.head<3>();
         second.height_m += state[2];
         for (Eigen::Index i = 0; i < count; ++i) {
             const LineOfSight sight =
@@ -56,7 +57,7 @@ std::optional<PhaseDisplacement> phase_displacement(std::span<const PhaseChange>
                 troposphere_m(second.height_m, std::max(sight.sine_of_elevation, least_sine));
             left_m[i] = known_m[i] - sight.range_m - delay_m - state[3];
             result.design.row(i).head<3>() =
-                -(place.enu_from_ecef * sight.direction).transpose() / sigma_m[i];
+                -(receiver.enu_from_ecef * sight.direction).transpose() / sigma_m[i];
             result.design(i, 3) = 1.0 / sigma_m[i];
         }
         normals.noalias() = result.design.transpose() * result.design;

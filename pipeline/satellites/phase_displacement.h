@@ -46,15 +46,15 @@ struct PhaseDisplacement {
 };
 
 /// The displacement of a receiver between two epochs by time-differenced carrier phases (TDCP),
-/// starting from `place` at the first. For every satellite
+/// starting from `receiver` at the first. For every satellite
 ///   phase + (clock2 - clock1) - (T2 - T1) = |s2 - r2| - |s1 - r1| + c dtr,
-/// solved for r2 and dtr by Gauss-Newton from r2 = r1. An error of 1 m in `place` causes 0.1 mm
+/// solved for r2 and dtr by Gauss-Newton from r2 = r1. An error of 1 m in `receiver` causes 0.1 mm
 /// horizontally and 0.8 mm vertically in 3 s. The covariance does not include systematic rates of
 /// orbits, clocks and ionosphere: see `systematic_rate_m_s`. Empty with fewer than four satellites,
 /// with more than `most_phase_changes`, or where they do not determine the displacement.
 std::optional<PhaseDisplacement> phase_displacement(std::span<const PhaseChange> changes,
-                                                    const ReceiverPlace& place, double interval_s,
-                                                    const PhaseNoise& noise);
+                                                    const ReceiverPosition& receiver,
+                                                    double interval_s, const PhaseNoise& noise);
 
 /// Standard deviation that systematic rates of all satellites cause in a horizontal velocity over
 /// some seconds: 1 mm/s, or 3 mm/s with six satellites or fewer. Measured on receivers standing

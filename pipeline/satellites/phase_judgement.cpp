@@ -29,9 +29,9 @@ class Judge {
             parted_m_.push_back(std::abs(phases.geometry_free_change_m(pair)));
     }
 
-    PairOutcome judge(bool has_place) {
+    PairOutcome judge(bool has_position) {
         if (!pairs_.empty()) {
-            if (!has_place)
+            if (!has_position)
                 refuse(RefusalReason::no_place);
             else
                 test();
@@ -60,7 +60,7 @@ class Judge {
         return phases_.displacement(epoch_, pairs_, {.white_m = noise_.white_m});
     }
 
-    void take_out(std::size_t i) {
+    void remove(std::size_t i) {
         const auto at = static_cast<std::ptrdiff_t>(i);
         pairs_.erase(pairs_.begin() + at);
         doppler_.erase(doppler_.begin() + at);
@@ -68,16 +68,16 @@ class Judge {
     }
 
     void test() {
-        auto moved = displacement();
-        if (!moved) return refuse(RefusalReason::few_satellites);
+        auto solution = displacement();
+        if (!solution) return refuse(RefusalReason::few_satellites);
         outcome_.is_judged = true;
-        const double statistic = moved->statistic;
-        const double threshold = bounds_(moved->redundancy);
-        if (statistic <= threshold) return require_control(*moved);
-        if (parted_explain(*moved)) return;
-        if (take_out_parted()) moved = displacement();
-        if (!moved) return refuse(RefusalReason::few_satellites, statistic, threshold);
-        if (moved->statistic > bounds_(moved->redundancy)) search(*moved);
+        const double statistic = solution->statistic;
+        const double threshold = bounds_(solution->redundancy);
+        if (statistic <= threshold) return require_control(*solution);
+        if (parted_explain(*solution)) return;
+        if (remove_parted()) solution = displacement();
+        if (!solution) return refuse(RefusalReason::few_satellites, statistic, threshold);
+        if (solution->statistic > bounds_(solution->redundancy)) search(*solution);
     }
 
     std::vector<PhaseHint> hints() const {
@@ -90,11 +90,11 @@ class Judge {
 
     /// Whether the satellites whose bands diverged are those that slipped. The others determine the
     /// size of their slips.
-    bool parted_explain(const PhaseDisplacement& moved) {
+    bool parted_explain(const PhaseDisplacement& solution) {
         std::vector<std::size_t> set;
         for (std::size_t i = 0; i < pairs_.size(); ++i)
             if (is_parted(i)) set.push_back(i);
-        const auto slips = slips_of_set(moved, hints(), set, bounds_);
+        const auto slips = slips_of_set(solution, hints(), set, bounds_);
         if (!slips || are_small(*slips)) return false;
         add_sized(*slips, [&](std::size_t i) -> PhaseSlip& { return add_parted(i); });
         return true;
@@ -107,17 +107,17 @@ class Judge {
             PhaseSlip& slip = add(slips[i].satellite);
             slip.cycles = slips[i].cycles;
             slip.sigma_cycles = slips[i].sigma_cycles;
-            take_out(slips[i].satellite);
+            remove(slips[i].satellite);
         }
     }
 
     /// Removes the satellites whose bands diverged. Returns false if there are none.
-    bool take_out_parted() {
+    bool remove_parted() {
         bool any = false;
         for (std::size_t i = pairs_.size(); i-- > 0;) {
             if (!is_parted(i)) continue;
             add_parted(i);
-            take_out(i);
+            remove(i);
             any = true;
         }
         return any;
@@ -140,42 +140,42 @@ class Judge {
         return slip;
     }
 
-    void search(const PhaseDisplacement& moved) {
+    void search(const PhaseDisplacement& solution) {
         const SlipSearch found =
-            find_slips(moved, hints(), bounds_, noise_.doppler_cycles.value_or(1.0));
-        const double threshold = bounds_(moved.redundancy);
+            find_slips(solution, hints(), bounds_, noise_.doppler_cycles.value_or(1.0));
+        const double threshold = bounds_(solution.redundancy);
         switch (found.outcome) {
             case SlipSearch::Outcome::disturbed:
                 outcome_.disturbed = DisturbedPair{
-                    .epoch = epoch_, .statistic = moved.statistic, .threshold = threshold};
+                    .epoch = epoch_, .statistic = solution.statistic, .threshold = threshold};
                 return;
             case SlipSearch::Outcome::unknown:
-                return refuse(RefusalReason::no_single_set, moved.statistic, threshold);
+                return refuse(RefusalReason::no_single_set, solution.statistic, threshold);
             case SlipSearch::Outcome::slipped:
                 break;
         }
         add_sized(found.slips, [&](std::size_t i) -> PhaseSlip& {
             PhaseSlip& slip = add_slip(i, PhaseBreak::displacement);
-            slip.statistic = moved.statistic;
+            slip.statistic = solution.statistic;
             slip.threshold = threshold;
             return slip;
         });
     }
 
     /// Whether Doppler or a second band shows that no cycle slipped.
-    bool is_controlled_beside(std::size_t i) const {
+    bool is_controlled_otherwise(std::size_t i) const {
         const bool by_doppler = noise_.doppler_cycles.value_or(1.0) <= control_cycles;
         if (by_doppler && doppler_[i] && std::abs(*doppler_[i]) < 0.5) return true;
         return parted_m_[i] == parted_m_[i] && !is_parted(i);
     }
 
     /// Ends the arcs of satellites for which nothing could have shown a slip of one cycle.
-    void require_control(const PhaseDisplacement& moved) {
+    void require_control(const PhaseDisplacement& solution) {
         if (pairs_.size() > most_to_control) return;
-        const std::vector<double> deviations_m = slip_deviations_m(moved);
+        const std::vector<double> deviations_m = slip_deviations_m(solution);
         for (std::size_t i = 0; i < pairs_.size(); ++i)
             if (deviations_m[i] > control_cycles * pairs_[i].wavelength_m &&
-                !is_controlled_beside(i))
+                !is_controlled_otherwise(i))
                 outcome_.broken[pairs_[i].now->id] = PhaseBreak::uncontrolled;
     }
 
@@ -201,9 +201,9 @@ double geometry_free_bound_m(const PhaseNoiseFigures& noise, double sine_of_elev
                                                zenith_factor(sine_of_elevation));
 }
 
-PairOutcome judge_pair(const PhasePairs& phases, std::size_t epoch, bool has_place,
+PairOutcome judge_pair(const PhasePairs& phases, std::size_t epoch, bool has_position,
                        const PhaseNoiseFigures& noise, const ChiSquaredBounds& bounds) {
-    return Judge(phases, epoch, noise, bounds).judge(has_place);
+    return Judge(phases, epoch, noise, bounds).judge(has_position);
 }
 
 }  // namespace runcert

@@ -23,8 +23,8 @@ struct PairOutcome {
 };
 
 /// Judges the pair of epochs that ends at `epoch`, using the satellites tracked through both.
-/// `noise` is that of the record. `has_place` says whether the receiver's place is known.
-PairOutcome judge_pair(const PhasePairs& phases, std::size_t epoch, bool has_place,
+/// `noise` is that of the record. `has_position` says whether the receiver's place is known.
+PairOutcome judge_pair(const PhasePairs& phases, std::size_t epoch, bool has_position,
                        const PhaseNoiseFigures& noise, const ChiSquaredBounds& bounds);
 
 /// Limit on the change of the geometry-free difference (m): 4.5 standard deviations, but at least

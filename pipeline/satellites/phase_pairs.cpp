@@ -151,7 +151,7 @@ std::optional<PhaseDisplacement> PhasePairs::displacement(std::size_t epoch,
                            .phase_m = pair.wavelength_m *
                                       (record_.signals[pair.signals_now.first].phase_cycles -
                                        record_.signals[pair.signals_before.first].phase_cycles)});
-    return phase_displacement(changes, receiver_place(record_.epochs[epoch - 1].receiver_m),
+    return phase_displacement(changes, receiver_position(record_.epochs[epoch - 1].receiver_m),
                               step_s(epoch), noise);
 }
 

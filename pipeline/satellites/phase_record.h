@@ -50,7 +50,7 @@ struct PhaseEpoch {
     Eigen::Vector3d receiver_m = Eigen::Vector3d::Zero();  ///< accurate to some metres; zero if
                                                            ///< unknown
 
-    bool has_place() const { return receiver_m != Eigen::Vector3d::Zero(); }
+    bool has_position() const { return receiver_m != Eigen::Vector3d::Zero(); }
 };
 
 struct PhaseRecord {

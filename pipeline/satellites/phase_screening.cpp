@@ -102,7 +102,7 @@ class Screen {
             result_.jumps.push_back({.epoch = epoch, .milliseconds = milliseconds});
     }
 
-    bool goes_on(std::size_t epoch) const {
+    bool continues(std::size_t epoch) const {
         return epoch > 0 && pairs_.step_s(epoch) <= config_.longest_gap_s;
     }
 
@@ -111,7 +111,7 @@ class Screen {
         const std::size_t stride = std::max<std::size_t>(1, count / noise_pairs);
         std::vector<double> white_m, geometry_m, doppler, wide_lane;
         for (std::size_t i = 1; i < count; i += stride) {
-            if (!goes_on(i)) continue;
+            if (!continues(i)) continue;
             const std::vector<PhasePair> pairs = pairs_.at(i);
             for (const PhasePair& pair : pairs) {
                 const double sine = pair.now->sine_of_elevation;
@@ -124,15 +124,16 @@ class Screen {
             }
             for (const auto& change : pairs_.beyond_doppler_cycles(pairs, pairs_.step_s(i)))
                 if (change) doppler.push_back(std::abs(*change));
-            if (pairs.size() <= fewest_satellites || !record_.epochs[i - 1].has_place()) continue;
-            const auto moved = pairs_.displacement(i, pairs, {});
-            if (!moved) continue;
+            if (pairs.size() <= fewest_satellites || !record_.epochs[i - 1].has_position())
+                continue;
+            const auto solution = pairs_.displacement(i, pairs, {});
+            if (!solution) continue;
             ++result_.noise.pairs;
             // A residual shows only the part of an error that the estimate does not absorb.
-            const double seen = std::sqrt(static_cast<double>(moved->redundancy) /
+            const double seen = std::sqrt(static_cast<double>(solution->redundancy) /
                                           static_cast<double>(pairs.size()));
             for (std::size_t j = 0; j < pairs.size(); ++j)
-                white_m.push_back(std::abs(moved->residuals_m[static_cast<Eigen::Index>(j)]) /
+                white_m.push_back(std::abs(solution->residuals_m[static_cast<Eigen::Index>(j)]) /
                                   seen / zenith_factor(pairs[j].now->sine_of_elevation));
         }
         const auto deviation = [](std::vector<double>& values) -> std::optional<double> {
@@ -149,8 +150,8 @@ class Screen {
     /// Judges the pair of epochs that ends here, and continues the arcs.
     void step(std::size_t epoch) {
         outcome_ = {};
-        if (goes_on(epoch))
-            outcome_ = judge_pair(pairs_, epoch, record_.epochs[epoch - 1].has_place(),
+        if (continues(epoch))
+            outcome_ = judge_pair(pairs_, epoch, record_.epochs[epoch - 1].has_position(),
                                   result_.noise, bounds_);
         result_.pairs += outcome_.is_judged;
         for (PhaseSlip& slip : outcome_.slips) {
@@ -245,7 +246,7 @@ class Screen {
     PhaseBreak break_before(std::size_t epoch, const PhaseSatellite& satellite, std::size_t number,
                             const Track::Signal& signal) const {
         if (signal.arc == 0) return PhaseBreak::start;
-        if (!goes_on(epoch) || signal.epoch != epoch - 1) return PhaseBreak::gap;
+        if (!continues(epoch) || signal.epoch != epoch - 1) return PhaseBreak::gap;
         if (record_.signals[number].loss_of_lock) return PhaseBreak::lost_lock;
         if (issues_[slot_of(satellite.id)] != satellite.issue) return PhaseBreak::ephemeris;
         if (const auto broken = outcome_.broken.find(satellite.id); broken != outcome_.broken.end())
@@ -293,8 +294,8 @@ std::vector<double> receiver_clocks_m(const PhaseRecord& record, double mask_deg
     std::vector<double> left_m;
     for (std::size_t i = 0; i < record.epochs.size(); ++i) {
         const PhaseEpoch& epoch = record.epochs[i];
-        if (!epoch.has_place()) continue;
-        const ReceiverPlace place = receiver_place(epoch.receiver_m);
+        if (!epoch.has_position()) continue;
+        const ReceiverPosition receiver = receiver_position(epoch.receiver_m);
         left_m.clear();
         for (const PhaseSatellite& satellite : record.of(epoch)) {
             if (!satellite.has_orbit() || !satellite.healthy ||
@@ -302,11 +303,11 @@ std::vector<double> receiver_clocks_m(const PhaseRecord& record, double mask_deg
                 continue;
             for (const PhaseSignal& signal : record.of(satellite)) {
                 if (!(signal.pseudorange_m == signal.pseudorange_m)) continue;
-                const LineOfSight sight = line_of_sight(satellite.position_m, place);
+                const LineOfSight sight = line_of_sight(satellite.position_m, receiver);
                 left_m.push_back(
                     signal.pseudorange_m + satellite.clock_m - satellite.group_delay_m -
                     sight.range_m -
-                    troposphere_m(place.height_m, std::max(sight.sine_of_elevation, 0.05)));
+                    troposphere_m(receiver.height_m, std::max(sight.sine_of_elevation, 0.05)));
                 break;
             }
         }

@@ -41,20 +41,20 @@ std::optional<PointSolution> point_solution(std::span<const CodeMeasurement> mea
     for (int step = 0; step < 12; ++step) {
         const bool near_earth = state.head<3>().norm() > 5e6;
         // Starting from the Earth's centre, the first iterations omit what depends on the place.
-        const ReceiverPlace place = near_earth
-                                        ? receiver_place(state.head<3>())
-                                        : ReceiverPlace{.position_m = state.head<3>(),
-                                                        .enu_from_ecef = Eigen::Matrix3d::Zero()};
+        const ReceiverPosition receiver =
+            near_earth ? receiver_position(state.head<3>())
+                       : ReceiverPosition{.position_m = state.head<3>(),
+                                          .enu_from_ecef = Eigen::Matrix3d::Zero()};
         Normals normals = Normals::Zero(size, size);
         Unknowns right = Unknowns::Zero(size);
         for (const CodeMeasurement& each : measurements) {
-            const LineOfSight sight = line_of_sight(each.satellite_m, place);
+            const LineOfSight sight = line_of_sight(each.satellite_m, receiver);
             double weight = 1.0;
             double modelled_m = sight.range_m + state[clocks.of(each.system)];
             if (near_earth) {
                 const double sine = std::max(sight.sine_of_elevation, 0.05);
                 weight = sine * sine;
-                modelled_m += troposphere_m(place.height_m, sine);
+                modelled_m += troposphere_m(receiver.height_m, sine);
             }
             Unknowns row = Unknowns::Zero(size);
             row.head<3>() = -sight.direction;

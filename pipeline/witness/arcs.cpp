@@ -54,17 +54,16 @@ EstimationModel model_of(const NoiseSummary& noise) {
     return model;
 }
 
-NoiseFitOptions::Motion motion_of(MotionChoice choice) {
+NoiseFitOptions fit_options(const SmoothParameters& parameters) {
     using Motion = NoiseFitOptions::Motion;
-    switch (choice) {
-        case MotionChoice::by_likelihood:
-            return Motion::by_likelihood;
-        case MotionChoice::constant_acceleration:
-            return Motion::constant_acceleration;
-        case MotionChoice::singer:
-            return Motion::singer;
-    }
-    return {};
+    const MotionChoice choice = parameters.motion_model;
+    return {.initial_jerk_density = parameters.jerk_density,
+            .tau_min_s = parameters.error_time_min_s,
+            .tau_max_s = parameters.error_time_max_s,
+            .motion = choice == MotionChoice::singer ? Motion::singer
+                      : choice == MotionChoice::constant_acceleration
+                          ? Motion::constant_acceleration
+                          : Motion::by_likelihood};
 }
 
 NoiseBasis basis_of(NoiseFit::Status status) {

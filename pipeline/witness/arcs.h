@@ -34,11 +34,16 @@ template <int Axes>
 std::vector<Arc<Axes>> arcs_of(const ScreenedTable& table,
                                Measurements measurements = Measurements::usable);
 
+/// The axes that a screened table names for estimates of the horizontal positions (2) or of heights
+/// alone (1).
+template <int Axes>
+inline constexpr TestedAxes tested_axes = Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal;
+
 /// The noise model with which a trajectory was estimated.
 EstimationModel model_of(const NoiseSummary& noise);
 
-/// The motion models that an attempt's choice allows.
-NoiseFitOptions::Motion motion_of(MotionChoice choice);
+/// The options of the noise fit that an attempt's parameters of smoothing ask for.
+NoiseFitOptions fit_options(const SmoothParameters& parameters);
 
 /// The basis of an estimate, given the status of its noise fit.
 NoiseBasis basis_of(NoiseFit::Status status);

@@ -230,9 +230,9 @@ VelocityOrigin made_from(std::span<const TimedValue> speeds, Positions positions
     const double step_s = median_step_s(positions);
     if (!(step_s > 0.0)) return VelocityOrigin::unclear;
     const double speed_rounding_m_s = rounding_deviation(resolution_m_s(speeds));
-    const auto beside = at_rows(speeds, positions, delay_s);
+    const auto of_rows = at_rows(speeds, positions, delay_s);
     std::vector<double> known;
-    for (const auto& speed : beside)
+    for (const auto& speed : of_rows)
         if (speed) known.push_back(*speed);
     const double least_m_s = half_of_fastest_tenth(std::move(known));
     bool compared = false, unclear = false;
@@ -240,7 +240,7 @@ VelocityOrigin made_from(std::span<const TimedValue> speeds, Positions positions
         // More weights follow rougher motion, and only what they do not follow is noise to them.
         const bool few = either_side <= 2;
         const double noise_m = white_noise_m(positions, few ? 6 : 10);
-        const Regression regression = regression_of(positions, beside, either_side, least_m_s);
+        const Regression regression = regression_of(positions, of_rows, either_side, least_m_s);
         for (const int order : {0, 3}) {
             if (few && order > 0) continue;  // rough motion would stay
             const Fit fit = fitted(regression, order);

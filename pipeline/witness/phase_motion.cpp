@@ -56,8 +56,8 @@ std::optional<std::size_t> PhaseWitness<Axes>::nearest(double record_s) const {
 }
 
 template <int Axes>
-std::optional<WitnessedDisplacement> PhaseWitness<Axes>::moved(std::size_t first,
-                                                               std::size_t second) const {
+std::optional<WitnessedDisplacement> PhaseWitness<Axes>::displacement(std::size_t first,
+                                                                      std::size_t second) const {
     auto found = displacement_between(phases_->record, phases_->screening, first, second);
     const double by_tags_s = record_time_s(second) - record_time_s(first);
     if (!found || std::abs(found->interval_s - by_tags_s) > largest_drift_s) return std::nullopt;
@@ -67,33 +67,34 @@ std::optional<WitnessedDisplacement> PhaseWitness<Axes>::moved(std::size_t first
 }
 
 template <int Axes>
-std::optional<typename PhaseWitness<Axes>::Place> PhaseWitness<Axes>::place_of(
+std::optional<typename PhaseWitness<Axes>::Instant> PhaseWitness<Axes>::instant_at(
     double time_s) const {
     const double at_s = time_s + first_epoch_s_;
     const auto epoch = nearest(at_s);
     if (!epoch) return std::nullopt;
-    Place place{.epoch = *epoch};
+    Instant instant{.epoch = *epoch};
     const double beyond_s = at_s - record_time_s(*epoch);
     constexpr double same_s = 1e-6;
-    if (std::abs(beyond_s) <= same_s) return place;
+    if (std::abs(beyond_s) <= same_s) return instant;
     if (*epoch == 0 || *epoch + 1 == phases_->record.epochs.size()) return std::nullopt;
-    const auto before = moved(*epoch - 1, *epoch);
-    const auto after = moved(*epoch, *epoch + 1);
+    const auto before = displacement(*epoch - 1, *epoch);
+    const auto after = displacement(*epoch, *epoch + 1);
     if (!before || !after) return std::nullopt;
     const double h0 = record_time_s(*epoch) - record_time_s(*epoch - 1);
     const double h1 = record_time_s(*epoch + 1) - record_time_s(*epoch);
     const Eigen::Vector3d v0 = before->enu_m / h0, v1 = after->enu_m / h1;
     const Eigen::Vector3d velocity = (v0 * h1 + v1 * h0) / (h0 + h1);
     const Eigen::Vector3d acceleration = 2.0 * (v1 - v0) / (h0 + h1);
-    place.beyond_m = beyond_s * velocity + 0.5 * beyond_s * beyond_s * acceleration;
+    instant.beyond_m = beyond_s * velocity + 0.5 * beyond_s * beyond_s * acceleration;
     // Variance of the velocity from the differences to both neighbours: their noise, and a white
     // jerk in between.
     const double h = std::max(h0, h1);
     constexpr double of_jerk = 1.0 / 20.0;
     const double noise_m2 = (before->covariance_m2.trace() + after->covariance_m2.trace()) / 3.0;
-    place.variance_m2 = beyond_s * beyond_s *
-                        (noise_m2 / (h * h) + jerk_density_ * jerk_density_ * h * h * h * of_jerk);
-    return place;
+    instant.variance_m2 =
+        beyond_s * beyond_s *
+        (noise_m2 / (h * h) + jerk_density_ * jerk_density_ * h * h * h * of_jerk);
+    return instant;
 }
 
 template <int Axes>
@@ -103,15 +104,15 @@ Eigen::Matrix3d PhaseWitness<Axes>::turn_at(std::size_t epoch) const {
         std::upper_bound(turns_.begin() + 1, turns_.end(), at_s,
                          [](double time_s, const FrameTurn& turn) { return time_s < turn.from_s; });
     return (after - 1)->enu_from_ecef *
-           receiver_place(phases_->record.epochs[epoch].receiver_m).enu_from_ecef.transpose();
+           receiver_position(phases_->record.epochs[epoch].receiver_m).enu_from_ecef.transpose();
 }
 
 template <int Axes>
 std::optional<WitnessedMotion<Axes>> PhaseWitness<Axes>::between(double from_s, double to_s) const {
-    const auto from = place_of(from_s);
-    const auto to = place_of(to_s);
+    const auto from = instant_at(from_s);
+    const auto to = instant_at(to_s);
     if (!from || !to || from->epoch >= to->epoch) return std::nullopt;
-    const auto found = moved(from->epoch, to->epoch);
+    const auto found = displacement(from->epoch, to->epoch);
     if (!found) return std::nullopt;
     const Eigen::Matrix3d turn = turn_at(from->epoch);
     const Eigen::Vector3d displacement_m = turn * (found->enu_m + to->beyond_m - from->beyond_m);
@@ -134,8 +135,8 @@ TimeSpan PhaseWitness<Axes>::covered() const {
 
 template <int Axes>
 std::optional<double> PhaseWitness<Axes>::path_between(double from_s, double to_s) const {
-    const auto from = place_of(from_s);
-    const auto to = place_of(to_s);
+    const auto from = instant_at(from_s);
+    const auto to = instant_at(to_s);
     if (!from || !to || from->epoch >= to->epoch) return std::nullopt;
     constexpr int first = first_axis<Axes>;
     double path_m = 0.0;
@@ -144,13 +145,13 @@ std::optional<double> PhaseWitness<Axes>::path_between(double from_s, double to_
         return (turn * enu_m).eval().template segment<Axes>(first).norm();
     };
     for (std::size_t k = from->epoch; k < to->epoch; ++k) {
-        const auto step = moved(k, k + 1);
+        const auto step = displacement(k, k + 1);
         if (!step) return std::nullopt;
         path_m += length_of(step->enu_m);
     }
-    const auto ends_m = [&](const Place& place, double asked_s) {
-        const double sign = asked_s + first_epoch_s_ < record_time_s(place.epoch) ? -1.0 : 1.0;
-        return sign * length_of(place.beyond_m);
+    const auto ends_m = [&](const Instant& instant, double asked_s) {
+        const double sign = asked_s + first_epoch_s_ < record_time_s(instant.epoch) ? -1.0 : 1.0;
+        return sign * length_of(instant.beyond_m);
     };
     return path_m + ends_m(*to, to_s) - ends_m(*from, from_s);
 }

@@ -62,15 +62,15 @@ class PhaseWitness final : public Witness<Axes> {
 
   private:
     /// An instant: the nearest epoch, and the motion from that epoch to the instant.
-    struct Place {
+    struct Instant {
         std::size_t epoch = 0;
         Eigen::Vector3d beyond_m = Eigen::Vector3d::Zero();
         double variance_m2 = 0.0;  ///< of `beyond_m`, each axis
     };
     std::optional<std::size_t> nearest(double record_s) const;
-    std::optional<Place> place_of(double time_s) const;
+    std::optional<Instant> instant_at(double time_s) const;
     double record_time_s(std::size_t epoch) const;
-    std::optional<WitnessedDisplacement> moved(std::size_t first, std::size_t second) const;
+    std::optional<WitnessedDisplacement> displacement(std::size_t first, std::size_t second) const;
     Eigen::Matrix3d turn_at(std::size_t epoch) const;
 
     std::shared_ptr<const JudgedPhases> phases_;

@@ -8,9 +8,9 @@
 
 namespace runcert {
 
-std::optional<Eigen::Vector3d> place_by_pseudoranges(const PhaseRecord& record,
-                                                     const PhaseEpoch& epoch,
-                                                     const Eigen::Vector3d& near_m) {
+std::optional<Eigen::Vector3d> position_by_pseudoranges(const PhaseRecord& record,
+                                                        const PhaseEpoch& epoch,
+                                                        const Eigen::Vector3d& near_m) {
     std::vector<CodeMeasurement> code;
     for (const PhaseSatellite& satellite : record.of(epoch)) {
         if (!satellite.has_orbit() || !satellite.healthy) continue;
@@ -31,8 +31,8 @@ std::optional<Eigen::Vector3d> place_by_pseudoranges(const PhaseRecord& record,
 void locate_by_pseudoranges(PhaseRecord& record) {
     Eigen::Vector3d last_m = Eigen::Vector3d::Zero();
     for (PhaseEpoch& epoch : record.epochs) {
-        if (epoch.has_place()) continue;
-        if (const auto place_m = place_by_pseudoranges(record, epoch, last_m)) last_m = *place_m;
+        if (epoch.has_position()) continue;
+        if (const auto place_m = position_by_pseudoranges(record, epoch, last_m)) last_m = *place_m;
         epoch.receiver_m = last_m;
     }
 }
@@ -97,9 +97,9 @@ std::optional<PhaseDisplacement> solved(const SpanningPhases& phases,
                                         const PhaseScreening& screening, const PhaseEpoch& from,
                                         const PhaseEpoch& to) {
     const std::size_t count = phases.changes.size();
-    if (!from.has_place() || count < least_witnesses || count > most_phase_changes)
+    if (!from.has_position() || count < least_witnesses || count > most_phase_changes)
         return std::nullopt;
-    return phase_displacement(phases.changes, receiver_place(from.receiver_m),
+    return phase_displacement(phases.changes, receiver_position(from.receiver_m),
                               seconds_between(from, to), {.white_m = screening.noise.white_m});
 }
 
@@ -110,14 +110,14 @@ std::vector<PhaseResidual> residuals_between(const PhaseRecord& record,
                                              std::size_t second) {
     const PhaseEpoch &from = record.epochs[first], &to = record.epochs[second];
     const SpanningPhases phases = phases_between(record, screening, from, to);
-    const auto moved = solved(phases, screening, from, to);
+    const auto solution = solved(phases, screening, from, to);
     std::vector<PhaseResidual> residuals;
-    if (!moved) return residuals;
+    if (!solution) return residuals;
     for (std::size_t i = 0; i < phases.satellites.size(); ++i) {
         const auto k = static_cast<Eigen::Index>(i);
         residuals.push_back({.satellite = phases.satellites[i],
-                             .residual_m = moved->residuals_m[k],
-                             .sigma_m = moved->sigma_m[k]});
+                             .residual_m = solution->residuals_m[k],
+                             .sigma_m = solution->sigma_m[k]});
     }
     return residuals;
 }
@@ -127,21 +127,21 @@ std::optional<WitnessedDisplacement> displacement_between(const PhaseRecord& rec
                                                           std::size_t first, std::size_t second) {
     const PhaseEpoch &from = record.epochs[first], &to = record.epochs[second];
     const SpanningPhases phases = phases_between(record, screening, from, to);
-    const auto moved = solved(phases, screening, from, to);
-    if (!moved) return std::nullopt;
+    const auto solution = solved(phases, screening, from, to);
+    if (!solution) return std::nullopt;
     WitnessedDisplacement result;
-    result.enu_m = moved->enu_m;
+    result.enu_m = solution->enu_m;
     const double by_tags_s = seconds_between(from, to);
     const double slow_m = systematic_rate_m_s(phases.changes.size()) * by_tags_s;
     // Residuals reveal phases that are disturbed at either end.
-    const double excess = moved->statistic / moved->redundancy;
-    result.covariance_m2 = moved->covariance_m2 * std::max(1.0, excess);
+    const double excess = solution->statistic / solution->redundancy;
+    result.covariance_m2 = solution->covariance_m2 * std::max(1.0, excess);
     result.covariance_m2.diagonal().head<2>().array() += slow_m * slow_m;
     const double clock_m = screening.clock_m[second] - screening.clock_m[first];
     result.interval_s = clock_m == clock_m ? by_tags_s - clock_m / speed_of_light_m_s : by_tags_s;
     result.satellites = phases.changes.size();
-    result.statistic = moved->statistic;
-    result.redundancy = moved->redundancy;
+    result.statistic = solution->statistic;
+    result.redundancy = solution->redundancy;
     return result;
 }
 

@@ -17,9 +17,9 @@ void locate_by_pseudoranges(PhaseRecord& record);
 
 /// The place at one epoch from its pseudoranges, starting from a nearby one. Empty if there are
 /// too few.
-std::optional<Eigen::Vector3d> place_by_pseudoranges(const PhaseRecord& record,
-                                                     const PhaseEpoch& epoch,
-                                                     const Eigen::Vector3d& near_m);
+std::optional<Eigen::Vector3d> position_by_pseudoranges(const PhaseRecord& record,
+                                                        const PhaseEpoch& epoch,
+                                                        const Eigen::Vector3d& near_m);
 
 /// The first epoch `length_ns` after another, to 20 ms. Empty if there is none.
 std::optional<std::size_t> epoch_after(const PhaseRecord& record, std::size_t first,

@@ -16,15 +16,16 @@ ReceiverWitness<Axes>::ReceiverWitness(std::vector<OtherReceiverEpoch<Axes>> epo
     : epochs_(std::move(epochs)), longest_step_s_(longest_step_s) {}
 
 template <int Axes>
-std::optional<typename ReceiverWitness<Axes>::Place> ReceiverWitness<Axes>::place_of(
-    double time_s) const {
+std::optional<typename ReceiverWitness<Axes>::InterpolatedPosition>
+ReceiverWitness<Axes>::position_at(double time_s) const {
     constexpr double rounding_s = 1e-6;
     const auto after = std::ranges::upper_bound(epochs_, time_s + rounding_s, {},
                                                 &OtherReceiverEpoch<Axes>::time_s);
     if (after == epochs_.begin()) return std::nullopt;
     const auto k = static_cast<std::size_t>(after - epochs_.begin()) - 1;
     const OtherReceiverEpoch<Axes>& a = epochs_[k];
-    if (time_s - a.time_s <= rounding_s) return Place{k, a.position_m, a.covariance_m2};
+    if (time_s - a.time_s <= rounding_s)
+        return InterpolatedPosition{k, a.position_m, a.covariance_m2};
     if (after == epochs_.end() || after->stretch != a.stretch) return std::nullopt;
     const OtherReceiverEpoch<Axes>& b = *after;
     const double h = b.time_s - a.time_s;
@@ -37,17 +38,17 @@ std::optional<typename ReceiverWitness<Axes>::Place> ReceiverWitness<Axes>::plac
     const PositionVector<Axes> accelerations =
         0.5 * (s2 - 3.0 * s3 + 3.0 * s4 - s5) * a.acceleration_m_s2 +
         0.5 * (s3 - 2.0 * s4 + s5) * b.acceleration_m_s2;
-    return Place{k,
-                 a.position_m + to_b * (b.position_m - a.position_m) + h * velocities +
-                     h * h * accelerations,
-                 a.covariance_m2.cwiseMax(b.covariance_m2)};
+    return InterpolatedPosition{k,
+                                a.position_m + to_b * (b.position_m - a.position_m) +
+                                    h * velocities + h * h * accelerations,
+                                a.covariance_m2.cwiseMax(b.covariance_m2)};
 }
 
 template <int Axes>
 std::optional<WitnessedMotion<Axes>> ReceiverWitness<Axes>::between(double from_s,
                                                                     double to_s) const {
-    const auto from = place_of(from_s);
-    const auto to = place_of(to_s);
+    const auto from = position_at(from_s);
+    const auto to = position_at(to_s);
     if (!from || !to || epochs_[from->epoch].stretch != epochs_[to->epoch].stretch)
         return std::nullopt;
     WitnessedMotion<Axes> motion;
@@ -64,8 +65,8 @@ TimeSpan ReceiverWitness<Axes>::covered() const {
 
 template <int Axes>
 std::optional<double> ReceiverWitness<Axes>::path_between(double from_s, double to_s) const {
-    const auto from = place_of(from_s);
-    const auto to = place_of(to_s);
+    const auto from = position_at(from_s);
+    const auto to = position_at(to_s);
     if (!from || !to || epochs_[from->epoch].stretch != epochs_[to->epoch].stretch)
         return std::nullopt;
     double path_m = 0.0;

@@ -41,12 +41,12 @@ class ReceiverWitness final : public Witness<Axes> {
 
   private:
     /// The position at a time, with the epoch at or before it.
-    struct Place {
+    struct InterpolatedPosition {
         std::size_t epoch = 0;
         PositionVector<Axes> position_m;
         PositionMatrix<Axes> covariance_m2;
     };
-    std::optional<Place> place_of(double time_s) const;
+    std::optional<InterpolatedPosition> position_at(double time_s) const;
 
     std::vector<OtherReceiverEpoch<Axes>> epochs_;
     double longest_step_s_;

@@ -6,14 +6,12 @@
 #include "core/statistics.h"
 #include "schemas/enu/measured_position.h"
 #include "schemas/observations/stated_covariance.h"
+#include "witness/arcs.h"
 
 namespace runcert {
 namespace {
 
 constexpr double longest_step = 2.5;
-
-template <int Axes>
-constexpr TestedAxes tested_axes = Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal;
 
 }  // namespace
 

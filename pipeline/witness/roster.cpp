@@ -12,11 +12,12 @@ const WitnessEntry& witness_entry(WitnessKind kind) {
     return *found;
 }
 
-std::optional<HeardWitness<2>> handed_in_witness(const WitnessEntry& entry, const HandedIn& given,
-                                                 std::span<const TimedPosition<2>> positions,
-                                                 const Track& track, double jerk_density,
-                                                 std::span<const WitnessSource> sources,
-                                                 const AntennaSwing& swing) {
+std::optional<AssessedWitness<2>> handed_in_witness(const WitnessEntry& entry,
+                                                    const HandedIn& given,
+                                                    std::span<const TimedPosition<2>> positions,
+                                                    const Track& track, double jerk_density,
+                                                    std::span<const WitnessSource> sources,
+                                                    const AntennaSwing& swing) {
     const auto series = given.series.find(std::string(to_text(entry.kind)));
     if (entry.make == nullptr || series == given.series.end()) return std::nullopt;
     const auto made = [&](std::span<const TimedPosition<2>> of_craft, const Track& track_of_it) {
@@ -29,12 +30,12 @@ std::optional<HeardWitness<2>> handed_in_witness(const WitnessEntry& entry, cons
                            .sources = sources});
     };
     if (!swing.is_known()) return made(positions, track);
-    auto heard = made(positions_of_craft(positions, swing), track_of_craft(track, swing));
-    if (!heard || heard->is_copy) return heard;
-    heard->motion = std::make_shared<const WitnessOfCraft>(std::move(heard->motion), swing);
-    if (!heard->note.empty()) heard->note += ' ';
-    heard->note += swing_text(words_of(entry.kind), swing);
-    return heard;
+    auto witness = made(positions_of_craft(positions, swing), track_of_craft(track, swing));
+    if (!witness || witness->is_copy) return witness;
+    witness->motion = std::make_shared<const WitnessOfCraft>(std::move(witness->motion), swing);
+    if (!witness->note.empty()) witness->note += ' ';
+    witness->note += swing_text(words_of(entry.kind), swing);
+    return witness;
 }
 
 }  // namespace runcert

@@ -27,7 +27,7 @@ namespace runcert {
 
 /// A witness of a recording's positions and its identity.
 template <int Axes>
-struct HeardWitness {
+struct AssessedWitness {
     WitnessKind kind = WitnessKind::velocities;
     std::string receiver = {};  ///< id of the other receiver, where it is one
     std::shared_ptr<const Witness<Axes>> motion;
@@ -41,7 +41,7 @@ struct HeardWitness {
 };
 
 template <int Axes>
-using HeardWitnesses = std::vector<HeardWitness<Axes>>;
+using AssessedWitnesses = std::vector<AssessedWitness<Axes>>;
 
 /// Data handed in in addition to a receiver's recording.
 struct HandedIn {
@@ -83,7 +83,7 @@ struct WitnessEntry {
     std::optional<ScreeningTest> screening = {};
     /// Makes a witness from a series. Empty if the series determines no motion. Null if a
     /// receiver records this kind.
-    std::optional<HeardWitness<2>> (*make)(const HandedInSeries& given) = nullptr;
+    std::optional<AssessedWitness<2>> (*make)(const HandedInSeries& given) = nullptr;
 };
 
 /// Probability and size of undetected errors of measured speeds in a window.
@@ -98,10 +98,11 @@ const WitnessEntry& witness_entry(WitnessKind kind);
 /// The witness of an entry, of the antenna's motion. Empty if its series was not handed in or
 /// determines no motion. Such a series is about the craft: `positions` and `track` are the
 /// antenna's, and `swing` says what is known of its motion against the craft.
-std::optional<HeardWitness<2>> handed_in_witness(const WitnessEntry& entry, const HandedIn& given,
-                                                 std::span<const TimedPosition<2>> positions,
-                                                 const Track& track, double jerk_density,
-                                                 std::span<const WitnessSource> sources = {},
-                                                 const AntennaSwing& swing = {});
+std::optional<AssessedWitness<2>> handed_in_witness(const WitnessEntry& entry,
+                                                    const HandedIn& given,
+                                                    std::span<const TimedPosition<2>> positions,
+                                                    const Track& track, double jerk_density,
+                                                    std::span<const WitnessSource> sources = {},
+                                                    const AntennaSwing& swing = {});
 
 }  // namespace runcert

@@ -18,8 +18,8 @@ namespace {
 constexpr std::int64_t interpolated_ns = 3'000'000'000;
 /// Pseudoranges place a receiver to some metres. If they differ by more than this, it was another
 /// one.
-constexpr double same_place_m = 100.0;
-constexpr std::size_t places_compared = 20;
+constexpr double same_receiver_m = 100.0;
+constexpr std::size_t positions_compared = 20;
 
 [[noreturn]] void fail_out_of_step(const std::string& what) {
     throw Failure("3-phase.ecsv", what, "Run runcert-screen again");
@@ -50,27 +50,28 @@ std::optional<ArcStart> start_of(PhaseBreak begins) {
     return std::nullopt;
 }
 
-void ReceiverPlaces::add(const PlaceFrames& frames, const GpsTime& first_epoch,
-                         const EnuEpoch& row) {
+void ReceiverTrack::add(const PlaceFrames& frames, const GpsTime& first_epoch,
+                        const EnuEpoch& row) {
     if (!row.east_m || !row.north_m || !row.up_m) return;
     const std::int64_t time_ns = first_epoch.nanoseconds() + row.time.nanoseconds;
-    places_m_.emplace_back(time_ns,
-                           frames.ecef(row.time, {*row.east_m, *row.north_m, *row.up_m}).m);
+    positions_m_.emplace_back(time_ns,
+                              frames.ecef(row.time, {*row.east_m, *row.north_m, *row.up_m}).m);
 }
 
-void ReceiverPlaces::put_in_order() {
-    const auto time_of = [](const auto& place) { return place.first; };
-    std::ranges::stable_sort(places_m_, {}, time_of);
+void ReceiverTrack::put_in_order() {
+    const auto time_of = [](const auto& position) { return position.first; };
+    std::ranges::stable_sort(positions_m_, {}, time_of);
     const auto same = [](const auto& a, const auto& b) { return a.first == b.first; };
-    places_m_.erase(std::unique(places_m_.begin(), places_m_.end(), same), places_m_.end());
+    positions_m_.erase(std::unique(positions_m_.begin(), positions_m_.end(), same),
+                       positions_m_.end());
 }
 
-std::optional<Eigen::Vector3d> ReceiverPlaces::at(std::int64_t time_ns) const {
-    const auto time_of = [](const auto& place) { return place.first; };
-    const auto after = std::ranges::lower_bound(places_m_, time_ns, {}, time_of);
-    if (after == places_m_.end()) return std::nullopt;
+std::optional<Eigen::Vector3d> ReceiverTrack::at(std::int64_t time_ns) const {
+    const auto time_of = [](const auto& position) { return position.first; };
+    const auto after = std::ranges::lower_bound(positions_m_, time_ns, {}, time_of);
+    if (after == positions_m_.end()) return std::nullopt;
     if (after->first == time_ns) return after->second;
-    if (after == places_m_.begin()) return std::nullopt;
+    if (after == positions_m_.begin()) return std::nullopt;
     const auto& [before_ns, before_m] = *std::prev(after);
     if (after->first - before_ns > interpolated_ns) return std::nullopt;
     const double share =
@@ -78,18 +79,19 @@ std::optional<Eigen::Vector3d> ReceiverPlaces::at(std::int64_t time_ns) const {
     return before_m + share * (after->second - before_m);
 }
 
-PlacesSet set_places(PhaseRecord& record, std::int64_t first_ns, const ReceiverPlaces& positions) {
+PhasePositions set_receiver_positions(PhaseRecord& record, std::int64_t first_ns,
+                                      const ReceiverTrack& positions) {
     std::vector<double> apart_m;
-    const std::size_t stride = std::max<std::size_t>(1, record.epochs.size() / places_compared);
+    const std::size_t stride = std::max<std::size_t>(1, record.epochs.size() / positions_compared);
     for (std::size_t i = 0; i < record.epochs.size(); i += stride) {
         const auto place_m = positions.at(first_ns + record.epochs[i].time_ns);
         if (!place_m) continue;
-        if (const auto solved_m = place_by_pseudoranges(record, record.epochs[i], *place_m))
+        if (const auto solved_m = position_by_pseudoranges(record, record.epochs[i], *place_m))
             apart_m.push_back((*solved_m - *place_m).norm());
     }
-    PlacesSet result;
+    PhasePositions result;
     if (!apart_m.empty()) result.apart_m = median(std::move(apart_m));
-    result.by_positions = result.apart_m.value_or(0.0) <= same_place_m;
+    result.by_positions = result.apart_m.value_or(0.0) <= same_receiver_m;
     if (result.by_positions)
         for (PhaseEpoch& epoch : record.epochs)
             if (const auto place_m = positions.at(first_ns + epoch.time_ns))

@@ -23,13 +23,13 @@ namespace runcert {
 std::optional<ArcStart> start_of(PhaseBreak begins);
 
 /// The place of a receiver over GPS time, from its recorded positions.
-class ReceiverPlaces {
+class ReceiverTrack {
   public:
     /// Empty if the positions have no times or no geodetic origin. `Rows` holds EnuEpoch or a
     /// type derived from it.
     template <class Rows>
-    ReceiverPlaces(const std::optional<FrameOrigin>& origin,
-                   const std::optional<GpsTime>& first_epoch, const Rows& rows) {
+    ReceiverTrack(const std::optional<FrameOrigin>& origin,
+                  const std::optional<GpsTime>& first_epoch, const Rows& rows) {
         if (!origin || !first_epoch) return;
         const PlaceFrames frames(*origin);
         for (const EnuEpoch& row : rows)
@@ -37,7 +37,7 @@ class ReceiverPlaces {
         put_in_order();
     }
 
-    bool empty() const { return places_m_.empty(); }
+    bool empty() const { return positions_m_.empty(); }
 
     /// WGS 84 Earth-centred position (m), interpolated between neighbours at most three seconds
     /// apart. Empty elsewhere.
@@ -47,12 +47,12 @@ class ReceiverPlaces {
     void add(const PlaceFrames& frames, const GpsTime& first_epoch, const EnuEpoch& row);
     void put_in_order();
 
-    std::vector<std::pair<std::int64_t, Eigen::Vector3d>> places_m_;  ///< in ascending order of
-                                                                      ///< time
+    std::vector<std::pair<std::int64_t, Eigen::Vector3d>> positions_m_;  ///< in ascending order of
+                                                                         ///< time
 };
 
 /// How a record was given its places.
-struct PlacesSet {
+struct PhasePositions {
     bool by_positions = false;
     /// Median distance (m) between the places by pseudoranges and by recorded positions. Empty
     /// if no epoch has both.
@@ -62,7 +62,8 @@ struct PlacesSet {
 /// Sets a record's receiver places from its recorded positions, or from pseudoranges (to some
 /// metres) where there is no recorded position. If the two are too far apart, all places come from
 /// pseudoranges. `first_ns` is the GPS time of the record's first epoch.
-PlacesSet set_places(PhaseRecord& record, std::int64_t first_ns, const ReceiverPlaces& positions);
+PhasePositions set_receiver_positions(PhaseRecord& record, std::int64_t first_ns,
+                                      const ReceiverTrack& positions);
 
 /// Adds the rows of 3-phase.ecsv, in order, to the record of 1-phase.ecsv.
 class PhaseScreeningBuilder {
@@ -92,7 +93,7 @@ class PhaseScreeningBuilder {
 /// epochs with a time (s) from `from_s` to `to_s` are included.
 template <class PhaseRows, class ScreenedRows>
 JudgedPhases judged_phases(PhaseRows& phases, ScreenedRows& screened,
-                           const ReceiverPlaces& positions, double mask_deg,
+                           const ReceiverTrack& positions, double mask_deg,
                            double from_s = -std::numeric_limits<double>::infinity(),
                            double to_s = std::numeric_limits<double>::infinity()) {
     const auto wanted = [&](const ElapsedTime& time) {
@@ -103,7 +104,7 @@ JudgedPhases judged_phases(PhaseRows& phases, ScreenedRows& screened,
     for (PhaseRow row; phases.next(row);)
         if (wanted(row.time)) record.add(row);
     judged.record = std::move(record).take();
-    set_places(judged.record, phases.head().first_epoch.nanoseconds(), positions);
+    set_receiver_positions(judged.record, phases.head().first_epoch.nanoseconds(), positions);
     PhaseScreeningBuilder screening(judged.record, screened.head(), mask_deg);
     for (ScreenedPhase row; screened.next(row);)
         if (wanted(row.time)) screening.add(row);

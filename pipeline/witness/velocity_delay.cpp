@@ -64,8 +64,8 @@ Delay delay_of(const std::function<double(double)>& mean_square, double middle_s
     if (least == profile.begin() || least + 1 == profile.end()) return found;
     const double left = *(least - 1), right = *(least + 1), bend = left - 2.0 * *least + right;
     if (!(bend > 0.0 && std::isfinite(bend))) return found;
-    const double place = static_cast<double>(least - profile.begin()) - steps;
-    found.delay_s = middle_s + (place + 0.5 * (left - right) / bend) * step_s;
+    const double vertex = static_cast<double>(least - profile.begin()) - steps;
+    found.delay_s = middle_s + (vertex + 0.5 * (left - right) / bend) * step_s;
     found.sigma_s = step_s * std::sqrt(2.0 * *least / (bend * independent));
     return found;
 }
@@ -98,14 +98,15 @@ std::vector<DelayTerm> delay_terms(const Knots& knots, const std::vector<Compari
 std::vector<Comparison> accelerating(const Knots& knots, const Motion& motion,
                                      const std::vector<Comparison>& comparisons,
                                      double delay_max_s) {
-    const double told = chi_squared_upper_quantile(0.05, 2);
+    const double significant = chi_squared_upper_quantile(0.05, 2);
     std::vector<Comparison> chosen;
     for (const Comparison& c : comparisons) {
         const Knot& knot = knots[c.knot];
         const Matrix2d& covariance = motion[knot.row]->acceleration_covariance;
-        const bool moves = knot.acceleration.dot(covariance.inverse() * knot.acceleration) > told &&
-                           motion_at(knots, c.knot, knot.time_s - delay_max_s) &&
-                           motion_at(knots, c.knot, knot.time_s + delay_max_s);
+        const bool moves =
+            knot.acceleration.dot(covariance.inverse() * knot.acceleration) > significant &&
+            motion_at(knots, c.knot, knot.time_s - delay_max_s) &&
+            motion_at(knots, c.knot, knot.time_s + delay_max_s);
         if (moves) chosen.push_back(c);
     }
     return chosen;

@@ -10,7 +10,7 @@ namespace runcert::velocities {
 namespace {
 
 using Pairs = std::span<const SpeedPair>;
-using Places = std::vector<double>;
+using JoinedTimes = std::vector<double>;
 
 constexpr std::size_t bins_of_block = 10;
 /// A stretch determines no delay with fewer bins, or in less time. For a recording shorter than
@@ -26,22 +26,22 @@ constexpr double better_than_within = 0.8;
 
 /// Times (s) with long gaps and backward steps of the clock removed. No delay reaches across
 /// either.
-Places places_of(Pairs pairs) {
+JoinedTimes joined_times(Pairs pairs) {
     constexpr double apart_s = 2.0 * delay_range_s;
-    Places places;
-    places.reserve(pairs.size());
+    JoinedTimes times_s;
+    times_s.reserve(pairs.size());
     for (std::size_t i = 0; i < pairs.size(); ++i) {
         const double step_s = i == 0 ? 0.0 : pairs[i].time_s - pairs[i - 1].time_s;
-        const double kept_s = step_s < 0.0 ? apart_s : std::min(step_s, apart_s);
-        places.push_back(i == 0 ? 0.0 : places.back() + kept_s);
+        const double joined_s = step_s < 0.0 ? apart_s : std::min(step_s, apart_s);
+        times_s.push_back(i == 0 ? 0.0 : times_s.back() + joined_s);
     }
-    return places;
+    return times_s;
 }
 
-double median_step_s(const Places& places) {
+double median_step_s(const JoinedTimes& times_s) {
     std::vector<double> steps;
-    for (std::size_t i = 1; i < places.size(); ++i)
-        if (places[i] > places[i - 1]) steps.push_back(places[i] - places[i - 1]);
+    for (std::size_t i = 1; i < times_s.size(); ++i)
+        if (times_s[i] > times_s[i - 1]) steps.push_back(times_s[i] - times_s[i - 1]);
     return steps.empty() ? 0.0 : median(std::move(steps));
 }
 
@@ -93,13 +93,13 @@ double scale_of_speeds(Pairs pairs) {
     return scale > 0.0 && std::isfinite(scale) ? scale : 1.0;
 }
 
-std::vector<double> means(Pairs pairs, const Places& places, double step_s,
+std::vector<double> means(Pairs pairs, const JoinedTimes& times_s, double step_s,
                           std::optional<double> SpeedPair::*which) {
-    std::vector<double> sums(static_cast<std::size_t>(places.back() / step_s) + 1, 0.0);
+    std::vector<double> sums(static_cast<std::size_t>(times_s.back() / step_s) + 1, 0.0);
     std::vector<double> counts(sums.size(), 0.0);
     for (std::size_t i = 0; i < pairs.size(); ++i) {
         if (!(pairs[i].*which)) continue;
-        const auto bin = static_cast<std::size_t>(places[i] / step_s);
+        const auto bin = static_cast<std::size_t>(times_s[i] / step_s);
         sums[bin] += *(pairs[i].*which);
         counts[bin] += 1.0;
     }
@@ -109,14 +109,14 @@ std::vector<double> means(Pairs pairs, const Places& places, double step_s,
 }
 
 /// The binned speeds. Empty if there is too little to compare.
-std::optional<Binned> binned(Pairs pairs, const Places& places) {
+std::optional<Binned> binned(Pairs pairs, const JoinedTimes& times_s) {
     Binned bins;
-    bins.interval_s = median_step_s(places);
+    bins.interval_s = median_step_s(times_s);
     if (bins.interval_s <= 0.0) return std::nullopt;
     bins.step_s = std::max(1.0, bins.interval_s);
     bins.range = static_cast<std::ptrdiff_t>(delay_range_s / bins.step_s);
-    bins.by_positions = means(pairs, places, bins.step_s, &SpeedPair::by_positions_m_s);
-    bins.recorded = means(pairs, places, bins.step_s, &SpeedPair::recorded_m_s);
+    bins.by_positions = means(pairs, times_s, bins.step_s, &SpeedPair::by_positions_m_s);
+    bins.recorded = means(pairs, times_s, bins.step_s, &SpeedPair::recorded_m_s);
     std::vector<double> speeds;
     for (const double speed : bins.by_positions)
         if (!std::isnan(speed)) speeds.push_back(speed);
@@ -206,38 +206,38 @@ std::optional<DelayStretch> stretch_of(const Binned& bins, const Run& run, doubl
     double change = 0.0;
     for (const double speed : speeds)
         change += std::abs(speed - typical) / count;
-    DelayStretch told;
-    told.difference_m_s = sum / count;
-    told.difference_within_m_s = *std::ranges::min_element(within) / count;
+    DelayStretch stretch;
+    stretch.difference_m_s = sum / count;
+    stretch.difference_within_m_s = *std::ranges::min_element(within) / count;
     const bool beyond = std::abs(run.delay) > limit;
-    if (change < least_change_m_s || told.difference_m_s > unexplained * change ||
-        (beyond && told.difference_m_s > better_than_within * told.difference_within_m_s))
+    if (change < least_change_m_s || stretch.difference_m_s > unexplained * change ||
+        (beyond && stretch.difference_m_s > better_than_within * stretch.difference_within_m_s))
         return std::nullopt;
-    return told;
+    return stretch;
 }
 
 /// Speed by positions, interpolated linearly between rows but not over a gap.
-std::optional<double> speed_at(Pairs pairs, const Places& places, double place_s, double gap_s) {
-    const auto after = std::ranges::upper_bound(places, place_s);
-    if (after == places.begin() || after == places.end()) return std::nullopt;
-    const auto b = static_cast<std::size_t>(after - places.begin()), a = b - 1;
-    if (!pairs[a].by_positions_m_s || !pairs[b].by_positions_m_s || places[b] - places[a] > gap_s)
+std::optional<double> speed_at(Pairs pairs, const JoinedTimes& times_s, double at_s, double gap_s) {
+    const auto after = std::ranges::upper_bound(times_s, at_s);
+    if (after == times_s.begin() || after == times_s.end()) return std::nullopt;
+    const auto b = static_cast<std::size_t>(after - times_s.begin()), a = b - 1;
+    if (!pairs[a].by_positions_m_s || !pairs[b].by_positions_m_s || times_s[b] - times_s[a] > gap_s)
         return std::nullopt;
-    const double part = (place_s - places[a]) / (places[b] - places[a]);
+    const double part = (at_s - times_s[a]) / (times_s[b] - times_s[a]);
     return *pairs[a].by_positions_m_s +
            part * (*pairs[b].by_positions_m_s - *pairs[a].by_positions_m_s);
 }
 
 /// Mean square of a stretch's differences at a delay, at a few thousand rows that are evenly
 /// spread. Empty if the motion there is unknown.
-std::optional<double> mean_square(Pairs pairs, const Places& places, const DelayStretch& stretch,
-                                  double delay_s, double gap_s) {
+std::optional<double> mean_square(Pairs pairs, const JoinedTimes& times_s,
+                                  const DelayStretch& stretch, double delay_s, double gap_s) {
     constexpr std::size_t enough = 4000;
     const std::size_t stride = 1 + (stretch.last - stretch.first) / enough;
     double sum = 0.0, count = 0.0;
     for (std::size_t i = stretch.first; i <= stretch.last; i += stride) {
         if (!pairs[i].recorded_m_s) continue;
-        const auto by = speed_at(pairs, places, places[i] - delay_s, gap_s);
+        const auto by = speed_at(pairs, times_s, times_s[i] - delay_s, gap_s);
         if (!by) continue;
         sum += std::pow(*pairs[i].recorded_m_s - *by, 2);
         count += 1.0;
@@ -248,16 +248,16 @@ std::optional<double> mean_square(Pairs pairs, const Places& places, const Delay
 /// The least-squares delay near that of the bins, from the profile over whole intervals of the
 /// recording: between rows, interpolation would lessen the noise. Its standard uncertainty assumes
 /// errors that last for two seconds.
-void refine(Pairs pairs, const Places& places, const Binned& bins, double limit_s,
+void refine(Pairs pairs, const JoinedTimes& times_s, const Binned& bins, double limit_s,
             DelayStretch& stretch) {
     constexpr double lasting_s = 2.0;
     const auto square_at = [&](double delay_s) {
         if (std::abs(delay_s) > delay_range_s) return std::numeric_limits<double>::infinity();
-        return mean_square(pairs, places, stretch, delay_s, 2.5 * bins.step_s)
+        return mean_square(pairs, times_s, stretch, delay_s, 2.5 * bins.step_s)
             .value_or(std::numeric_limits<double>::infinity());
     };
     const double independent =
-        std::max(1.0, (places[stretch.last] - places[stretch.first]) / lasting_s);
+        std::max(1.0, (times_s[stretch.last] - times_s[stretch.first]) / lasting_s);
     const auto whole = [&](double delay_s) {
         return bins.interval_s * std::round(delay_s / bins.interval_s);
     };
@@ -299,8 +299,8 @@ std::vector<DelayStretch> delays_along(Pairs recorded, double limit_s) {
     const double scale = scale_of_speeds(pairs);
     for (SpeedPair& pair : pairs)
         if (pair.recorded_m_s) *pair.recorded_m_s /= scale;
-    const Places places = places_of(pairs);
-    const auto bins = binned(pairs, places);
+    const JoinedTimes times_s = joined_times(pairs);
+    const auto bins = binned(pairs, times_s);
     if (!bins) return stretches;
     const std::vector<std::ptrdiff_t> delays = delays_of_blocks(*bins);
     for (std::size_t b = 0, end = 0; b < delays.size(); b = end) {
@@ -309,18 +309,18 @@ std::vector<DelayStretch> delays_along(Pairs recorded, double limit_s) {
         const Run run{.first = b * bins_of_block,
                       .end = std::min(end * bins_of_block, bins->recorded.size()),
                       .delay = delays[b]};
-        auto told = stretch_of(*bins, run, limit_s);
-        if (!told) continue;
+        auto stretch = stretch_of(*bins, run, limit_s);
+        if (!stretch) continue;
         const auto row_at = [&](std::size_t bin) {
             return static_cast<std::size_t>(
-                std::ranges::lower_bound(places, static_cast<double>(bin) * bins->step_s) -
-                places.begin());
+                std::ranges::lower_bound(times_s, static_cast<double>(bin) * bins->step_s) -
+                times_s.begin());
         };
-        told->first = row_at(run.first);
-        told->last = row_at(run.end) - 1;
-        told->delay_s = static_cast<double>(run.delay) * bins->step_s;
-        refine(pairs, places, *bins, limit_s, *told);
-        stretches.push_back(*told);
+        stretch->first = row_at(run.first);
+        stretch->last = row_at(run.end) - 1;
+        stretch->delay_s = static_cast<double>(run.delay) * bins->step_s;
+        refine(pairs, times_s, *bins, limit_s, *stretch);
+        stretches.push_back(*stretch);
     }
     return stretches;
 }

@@ -63,44 +63,44 @@ VelocityWitness<Axes>::VelocityWitness(std::vector<TimedVelocity<Axes>> samples,
     slopes_.reserve(count);
     for (std::size_t k = 0; k < count; ++k)
         slopes_.push_back(slope_at(samples_, k));
-    moved_.assign(count, PositionVector<Axes>::Zero());
+    displacement_.assign(count, PositionVector<Axes>::Zero());
     path_.assign(count, 0.0);
     unseen_.assign(count, 0.0);
     worse_.assign(count + 1, 0.0);
     for (std::size_t k = 0; k < count; ++k)
         worse_[k + 1] = worse_[k] + samples_[k].worse * samples_[k].worse;
     for (std::size_t k = 1; k < count; ++k) {
-        moved_[k] = moved_[k - 1];
+        displacement_[k] = displacement_[k - 1];
         path_[k] = path_[k - 1];
         unseen_[k] = unseen_[k - 1];
         if (samples_[k].stretch != samples_[k - 1].stretch) continue;
         const double h = step_s(k - 1);
         assert(h > 0.0);
-        moved_[k] += moved_in_step(k - 1, 1.0);
+        displacement_[k] += displacement_in_step(k - 1, 1.0);
         path_[k] += path_in_step(k - 1, 1.0);
         unseen_[k] += std::pow(h, 5);
     }
 }
 
 template <int Axes>
-std::optional<typename VelocityWitness<Axes>::Place> VelocityWitness<Axes>::place_of(
+std::optional<typename VelocityWitness<Axes>::Instant> VelocityWitness<Axes>::instant_at(
     double time_s) const {
     constexpr double rounding_s = 1e-7;
     const auto after =
         std::ranges::upper_bound(samples_, time_s + rounding_s, {}, &TimedVelocity<Axes>::time_s);
     const auto first = static_cast<std::size_t>(after - samples_.begin());
-    if (first == 0) return errors_.delay_s < 0.0 ? place_beyond(0, 1, time_s) : std::nullopt;
+    if (first == 0) return errors_.delay_s < 0.0 ? instant_beyond(0, 1, time_s) : std::nullopt;
     const std::size_t k = first - 1;
     const double beyond_s = std::max(0.0, time_s - samples_[k].time_s);
-    if (beyond_s <= rounding_s) return Place{.sample = k};
+    if (beyond_s <= rounding_s) return Instant{.sample = k};
     if (first == samples_.size() || samples_[first].stretch != samples_[k].stretch)
-        return errors_.delay_s > 0.0 ? place_beyond(k, k - 1, time_s)
-                                     : place_beyond(first, first + 1, time_s);
-    return Place{.sample = k, .part = beyond_s / step_s(k)};
+        return errors_.delay_s > 0.0 ? instant_beyond(k, k - 1, time_s)
+                                     : instant_beyond(first, first + 1, time_s);
+    return Instant{.sample = k, .part = beyond_s / step_s(k)};
 }
 
 template <int Axes>
-std::optional<typename VelocityWitness<Axes>::Place> VelocityWitness<Axes>::place_beyond(
+std::optional<typename VelocityWitness<Axes>::Instant> VelocityWitness<Axes>::instant_beyond(
     std::size_t end, std::size_t neighbour, double time_s) const {
     constexpr double rounding_s = 1e-7;
     constexpr double most_steps = 3.0;
@@ -111,12 +111,12 @@ std::optional<typename VelocityWitness<Axes>::Place> VelocityWitness<Axes>::plac
     const double step = std::abs(samples_[end].time_s - samples_[neighbour].time_s);
     if (std::abs(beyond_s) > std::min(std::abs(errors_.delay_s), most_steps * step) + rounding_s)
         return std::nullopt;
-    return Place{.sample = end, .part = 0.0, .beyond_s = beyond_s};
+    return Instant{.sample = end, .part = 0.0, .beyond_s = beyond_s};
 }
 
 template <int Axes>
-PositionVector<Axes> VelocityWitness<Axes>::velocity_at(const Place& place) const {
-    const auto [k, part, beyond_s] = place;
+PositionVector<Axes> VelocityWitness<Axes>::velocity_at(const Instant& instant) const {
+    const auto [k, part, beyond_s] = instant;
     if (beyond_s != 0.0) return samples_[k].velocity + beyond_s * slopes_[k];
     if (part == 0.0) return samples_[k].velocity;
     return hermite(step_s(k), part, samples_[k].velocity, samples_[k + 1].velocity, slopes_[k],
@@ -124,26 +124,26 @@ PositionVector<Axes> VelocityWitness<Axes>::velocity_at(const Place& place) cons
 }
 
 template <int Axes>
-PositionVector<Axes> VelocityWitness<Axes>::moved_beyond(const Place& place) const {
-    return place.beyond_s * samples_[place.sample].velocity +
-           0.5 * place.beyond_s * place.beyond_s * slopes_[place.sample];
+PositionVector<Axes> VelocityWitness<Axes>::displacement_beyond(const Instant& instant) const {
+    return instant.beyond_s * samples_[instant.sample].velocity +
+           0.5 * instant.beyond_s * instant.beyond_s * slopes_[instant.sample];
 }
 
 /// Variance caused by a white jerk, starting from a known velocity and a slope that is one step
 /// old.
 template <int Axes>
-double VelocityWitness<Axes>::variance_beyond(const Place& place) const {
-    if (place.beyond_s == 0.0) return 0.0;
-    const std::size_t k = place.sample;
+double VelocityWitness<Axes>::variance_beyond(const Instant& instant) const {
+    if (instant.beyond_s == 0.0) return 0.0;
+    const std::size_t k = instant.sample;
     const double step =
         k > 0 && samples_[k - 1].stretch == samples_[k].stretch ? step_s(k - 1) : step_s(k);
-    const double time = std::abs(place.beyond_s);
+    const double time = std::abs(instant.beyond_s);
     return jerk_density_ * jerk_density_ *
            (std::pow(time, 5) / 20.0 + 0.25 * std::pow(time, 4) * step);
 }
 
 template <int Axes>
-PositionVector<Axes> VelocityWitness<Axes>::moved_in_step(std::size_t k, double part) const {
+PositionVector<Axes> VelocityWitness<Axes>::displacement_in_step(std::size_t k, double part) const {
     return hermite_integral(step_s(k), part, samples_[k].velocity, samples_[k + 1].velocity,
                             slopes_[k], slopes_[k + 1]);
 }
@@ -160,8 +160,8 @@ template <int Axes>
 std::optional<typename VelocityWitness<Axes>::Ends> VelocityWitness<Axes>::ends_of(
     double from_s, double to_s) const {
     assert(to_s > from_s);
-    const auto from = place_of(from_s + errors_.delay_s);
-    const auto to = place_of(to_s + errors_.delay_s);
+    const auto from = instant_at(from_s + errors_.delay_s);
+    const auto to = instant_at(to_s + errors_.delay_s);
     if (!from || !to || samples_[from->sample].stretch != samples_[to->sample].stretch)
         return std::nullopt;
     return Ends{*from, *to};
@@ -174,10 +174,10 @@ std::optional<WitnessedMotion<Axes>> VelocityWitness<Axes>::between(double from_
     if (!ends) return std::nullopt;
     const auto& [from, to] = *ends;
     WitnessedMotion<Axes> motion;
-    motion.displacement_m = moved_[to.sample] - moved_[from.sample];
-    if (to.part > 0.0) motion.displacement_m += moved_in_step(to.sample, to.part);
-    if (from.part > 0.0) motion.displacement_m -= moved_in_step(from.sample, from.part);
-    motion.displacement_m += moved_beyond(to) - moved_beyond(from);
+    motion.displacement_m = displacement_[to.sample] - displacement_[from.sample];
+    if (to.part > 0.0) motion.displacement_m += displacement_in_step(to.sample, to.part);
+    if (from.part > 0.0) motion.displacement_m -= displacement_in_step(from.sample, from.part);
+    motion.displacement_m += displacement_beyond(to) - displacement_beyond(from);
     const std::size_t last = to.sample + (to.part > 0.0 ? 1 : 0);
     // Variance factor of the integral over a step between known velocities and slopes, under a
     // white jerk.
@@ -210,8 +210,8 @@ std::optional<double> VelocityWitness<Axes>::path_between(double from_s, double 
     double path_m = path_[to.sample] - path_[from.sample];
     if (to.part > 0.0) path_m += path_in_step(to.sample, to.part);
     if (from.part > 0.0) path_m -= path_in_step(from.sample, from.part);
-    const auto along_m = [&](const Place& place) {
-        return std::copysign(moved_beyond(place).norm(), place.beyond_s);
+    const auto along_m = [&](const Instant& instant) {
+        return std::copysign(displacement_beyond(instant).norm(), instant.beyond_s);
     };
     return path_m + along_m(to) - along_m(from);
 }

@@ -83,32 +83,33 @@ class VelocityWitness final : public Witness<Axes> {
   private:
     /// An instant: the preceding sample and the fraction of the step after it, 0 to 1. Beyond the
     /// ends of a stretch, it is how far the instant lies outside the first or last sample, s.
-    struct Place {
+    struct Instant {
         std::size_t sample = 0;
         double part = 0.0;
         double beyond_s = 0.0;
     };
     struct Ends {
-        Place from, to;
+        Instant from, to;
     };
-    std::optional<Place> place_of(double time_s) const;
+    std::optional<Instant> instant_at(double time_s) const;
     /// An instant beyond a stretch's first or last sample, by the delay at most.
-    std::optional<Place> place_beyond(std::size_t end, std::size_t neighbour, double time_s) const;
+    std::optional<Instant> instant_beyond(std::size_t end, std::size_t neighbour,
+                                          double time_s) const;
     /// The two ends of a span, one delay later. Empty unless samples of one stretch cover all of
     /// it.
     std::optional<Ends> ends_of(double from_s, double to_s) const;
     double step_s(std::size_t k) const { return samples_[k + 1].time_s - samples_[k].time_s; }
-    PositionVector<Axes> velocity_at(const Place& place) const;
+    PositionVector<Axes> velocity_at(const Instant& instant) const;
     /// Displacement from the first or last sample to an instant beyond it.
-    PositionVector<Axes> moved_beyond(const Place& place) const;
-    double variance_beyond(const Place& place) const;
+    PositionVector<Axes> displacement_beyond(const Instant& instant) const;
+    double variance_beyond(const Instant& instant) const;
     /// Displacement from a sample to a fraction of the step after it.
-    PositionVector<Axes> moved_in_step(std::size_t k, double part) const;
+    PositionVector<Axes> displacement_in_step(std::size_t k, double part) const;
     double path_in_step(std::size_t k, double part) const;
 
     std::vector<TimedVelocity<Axes>> samples_;
     std::vector<PositionVector<Axes>> slopes_;
-    std::vector<PositionVector<Axes>> moved_;  ///< up to each sample
+    std::vector<PositionVector<Axes>> displacement_;  ///< up to each sample
     std::vector<double> path_;
     std::vector<double> worse_;   ///< sum of the squares of `worse` before each sample
     std::vector<double> unseen_;  ///< sum of the fifth powers of the steps up to each sample, s^5

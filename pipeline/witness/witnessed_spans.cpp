@@ -37,16 +37,16 @@ std::vector<SpanDifference<Axes>> span_differences(const Witness<Axes>& witness,
         if (to == positions.size()) break;
         const TimedPosition<Axes>& last = positions[to];
         if (last.stretch != from.stretch || last.time_s - from.time_s > 1.2 * span_s) continue;
-        const auto moved = witness.between(from.time_s, last.time_s);
+        const auto witnessed = witness.between(from.time_s, last.time_s);
         const auto path_m = witness.path_between(from.time_s, last.time_s);
-        if (!moved || !path_m) continue;
+        if (!witnessed || !path_m) continue;
         const double length_s = last.time_s - from.time_s;
-        const PositionVector<Axes> way = last.position - from.position;
+        const PositionVector<Axes> measured = last.position - from.position;
         // Scaled by the variance of the span's own length, which may be one interval longer.
         const PositionVector<Axes> difference =
-            std::sqrt(span_s / length_s) * (way - moved->displacement_m);
+            std::sqrt(span_s / length_s) * (measured - witnessed->displacement_m);
         differences.push_back({.difference_m = difference,
-                               .along_m = difference.dot(way.stableNormalized()),
+                               .along_m = difference.dot(measured.stableNormalized()),
                                .speed_m_s = *path_m / length_s});
         next_s = from.time_s + spans_apart * span_s;
     }
@@ -60,10 +60,10 @@ void set_core(std::span<const TimedPosition<2>> positions, const Witness<2>& wit
     span.core_first = span.first;
     span.core_last = span.last;
     for (std::size_t k = span.first + 1; k <= span.last; ++k) {
-        const auto moved = witness.between(from.time_s, positions[k].time_s);
-        if (!moved) continue;
+        const auto witnessed = witness.between(from.time_s, positions[k].time_s);
+        if (!witnessed) continue;
         const double part =
-            along.dot(positions[k].position - from.position - moved->displacement_m);
+            along.dot(positions[k].position - from.position - witnessed->displacement_m);
         if (part <= 0.1) span.core_first = k;
         if (part >= 0.9) {
             span.core_last = k;
@@ -106,7 +106,9 @@ std::optional<DisplacementSpread> displacement_spread(
         squares.push_back(one.difference_m.squaredNorm());
         along.push_back(std::abs(one.along_m));
     }
-    DisplacementSpread spread{.span_s = span_s, .spans = std::ssize(squares)};
+    DisplacementSpread spread;
+    spread.span_s = span_s;
+    spread.spans = std::ssize(squares);
     spread.least_speed_m_s = least_m_s;
     // Consecutive spans are a tenth of their length apart, or one interval if that is longer.
     const double interval_s = (positions.back().time_s - positions.front().time_s) /
@@ -154,13 +156,13 @@ std::vector<ContradictedSpan> contradicted_spans(std::span<const TimedPosition<2
         if (end.stretch != begin.stretch ||
             !holds(stretches[to], begin.time_s, end.time_s, test.lag_s))
             continue;
-        const auto moved = witness.between(begin.time_s, end.time_s);
-        if (!moved) continue;
-        const Vector2d way = end.position - begin.position;
-        if (way.norm() < test.least_speed_m_s * (end.time_s - begin.time_s)) continue;
-        const Vector2d difference = way - moved->displacement_m;
+        const auto witnessed = witness.between(begin.time_s, end.time_s);
+        if (!witnessed) continue;
+        const Vector2d measured = end.position - begin.position;
+        if (measured.norm() < test.least_speed_m_s * (end.time_s - begin.time_s)) continue;
+        const Vector2d difference = measured - witnessed->displacement_m;
         const Matrix2d covariance =
-            moved->covariance_m2 + variance_of_span(begin, end, test) * Matrix2d::Identity();
+            witnessed->covariance_m2 + variance_of_span(begin, end, test) * Matrix2d::Identity();
         const double statistic = difference.dot(covariance.inverse() * difference);
         if (!(statistic > test.threshold)) continue;
         ContradictedSpan& span = spans.emplace_back();
@@ -192,11 +194,11 @@ WitnessedMotionComparison compare_shifted(std::span<const TimedPosition<2>> posi
         if (to == positions.size()) break;
         const TimedPosition<2>&begin = positions[from], &end = positions[to];
         if (end.time_s > begin.time_s + span_s + tolerance_s) continue;
-        const auto moved = witness.between(begin.time_s - shift_s, end.time_s - shift_s);
-        if (!moved) continue;
-        const Vector2d way = end.position - begin.position;
-        differences_m.push_back((way - moved->displacement_m).norm());
-        displacements_m.push_back(way.norm());
+        const auto witnessed = witness.between(begin.time_s - shift_s, end.time_s - shift_s);
+        if (!witnessed) continue;
+        const Vector2d measured = end.position - begin.position;
+        differences_m.push_back((measured - witnessed->displacement_m).norm());
+        displacements_m.push_back(measured.norm());
         sigmas_m.push_back(std::hypot(begin.sigma_m, end.sigma_m));
     }
     WitnessedMotionComparison comparison;

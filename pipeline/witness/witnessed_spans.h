@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "schemas/screened/screened.h"
 #include "witness/witness.h"
 
 namespace runcert {
@@ -20,13 +21,9 @@ struct TimedPosition {
 };
 
 /// How much displacements by a witness and by positions differ over spans of one length.
-struct DisplacementSpread {
-    double span_s = 0.0;
-    std::int64_t spans = 0;        ///< number compared; they overlap
+struct DisplacementSpread : VelocitySpread {
     double independent = 0.0;      ///< covered time in span lengths
-    double sd_m = 0.0;             ///< robust standard deviation, each axis
-    double along_m = 0.0;          ///< the same along the way
-    double sd_upper_m = 0.0;       ///< upper 95 % limit of sd_m, for normal errors
+    double along_m = 0.0;          ///< robust standard deviation along the way
     double least_speed_m_s = 0.0;  ///< of the spans compared
 };
 

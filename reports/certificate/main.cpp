@@ -45,7 +45,7 @@ void view_phases(StageRun& run, ReportInputs& inputs) {
         static_cast<double>(screened.facts.first_epoch->nanoseconds_since(first)) * 1e-9;
     inputs.phase_view = phase_view(
         judged_phases(phases, judged,
-                      ReceiverPlaces(screened.origin, screened.facts.first_epoch, screened.rows),
+                      ReceiverTrack(screened.origin, screened.facts.first_epoch, screened.rows),
                       run.attempt().parameters.screen.phase_mask_deg, start_s - around_s,
                       start_s + span.duration.seconds() + around_s),
         first, results.trajectory, span.duration.seconds());

@@ -18,8 +18,8 @@ class View {
         std::map<Satellite, SatelliteTrack> tracks;
         for (std::size_t k = 0; k < phases_.record.epochs.size(); ++k) {
             const PhaseEpoch& epoch = phases_.record.epochs[k];
-            if (!epoch.has_place()) continue;
-            const ReceiverPlace place = receiver_place(epoch.receiver_m);
+            if (!epoch.has_position()) continue;
+            const ReceiverPosition place = receiver_position(epoch.receiver_m);
             for (const PhaseSatellite& satellite : phases_.record.of(epoch))
                 if (satellite.has_orbit())
                     tracks[satellite.id].epochs.push_back(in_view(k, satellite, place));
@@ -97,7 +97,7 @@ class View {
     }
 
     SatelliteInView in_view(std::size_t epoch, const PhaseSatellite& satellite,
-                            const ReceiverPlace& place) const {
+                            const ReceiverPosition& place) const {
         const LineOfSight sight = line_of_sight(satellite.position_m, place);
         const Eigen::Vector3d enu = place.enu_from_ecef * sight.direction;
         SatelliteInView seen;

@@ -29,7 +29,7 @@ std::string witness_text(const WitnessedSpeed& one, const RuleView& rule) {
         one.normalised_error,
         one.confirms ? fmt::format(". Beside it errors of the positions of any kind change the "
                                    "speed by {} at most (k = 2)",
-                                   rule.uncertainty_text(largest_error_beside(one)))
+                                   rule.uncertainty_text(largest_error_given(one)))
                      : "");
 }
 

@@ -48,7 +48,7 @@ std::string phase_window_sentence(const WitnessedSpeed& phases) {
         counted(phases.satellites.value_or(0), "satellite"),
         counted(phases.slips.value_or(0), "slip"),
         counted(phases.refusals.value_or(0), "refused pair"), measured_speed_text(shown),
-        beside(shown, phases.speed_m_s + phases.difference_m_s, SafeSide::down), shown.unit,
+        in_decimals_of(shown, phases.speed_m_s + phases.difference_m_s, SafeSide::down), shown.unit,
         format_fixed(phases.apart_m, 3),
         phases.apart_azimuth_deg ? fmt::format(", towards {} degrees from north",
                                                format_fixed(*phases.apart_azimuth_deg, 0))

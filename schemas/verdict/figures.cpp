@@ -91,7 +91,7 @@ int decimals_of(const ShownFigures& shown) {
     return decimals_in(shown.speed);
 }
 
-std::string beside(const ShownFigures& shown, double speed_m_s, SafeSide side) {
+std::string in_decimals_of(const ShownFigures& shown, double speed_m_s, SafeSide side) {
     return shown_speed(kind_of(side), speed_m_s, shown, speed_unit(shown.unit));
 }
 
@@ -102,7 +102,7 @@ std::string speed_beside(const ProfileVerdict& verdict, double speed_m_s, std::s
         return fmt::format("{} {}", shown_speed(kind_of(side), speed_m_s, own.decimals, own), unit);
     }
     const ShownFigures shown = shown_of(verdict, unit);
-    return fmt::format("{} {}", beside(shown, speed_m_s, side), shown.unit);
+    return fmt::format("{} {}", in_decimals_of(shown, speed_m_s, side), shown.unit);
 }
 
 ComparedSpeeds compared_in(const SpeedUnit& unit, const SpeedsToShow& other, double judged_m_s,

@@ -52,7 +52,7 @@ ShownFigures shown_of(const ProfileVerdict& verdict, std::string_view unit);
 int decimals_of(const ShownFigures& shown);
 
 /// A speed with the decimals of figures that are shown beside it, rounded to that side: "224.21".
-std::string beside(const ShownFigures& shown, double speed_m_s, SafeSide side);
+std::string in_decimals_of(const ShownFigures& shown, double speed_m_s, SafeSide side);
 
 /// Another speed of the same rule, "224.18 km/h", with unit and decimals of the measured one,
 /// rounded to that side; without a measured one with the unit's usual decimals.

@@ -49,7 +49,7 @@ bool contradicts(const WitnessedSpeed& one);
 
 /// What errors of the positions, of any kind, can change the speed by (m/s, k = 2) where a witness
 /// agrees with them: the difference, the witness's own uncertainty, and what the two may share.
-inline double largest_error_beside(const WitnessedSpeed& witness) {
+inline double largest_error_given(const WitnessedSpeed& witness) {
     return std::abs(witness.difference_m_s) +
            2.0 * std::hypot(witness.standard_uncertainty_m_s,
                             witness.shared_standard_uncertainty_m_s);

@@ -121,7 +121,7 @@ std::string refused_for_clause(const ClauseContext&, const Requirements& require
 
 std::string refused_for_windows(const ClauseContext& context, const Requirements&) {
     if (!context.windows.best)
-        return context.files_answered || context.windows.missing.empty()
+        return context.files_attested || context.windows.missing.empty()
                    ? "There is no certifiable window."
                    : capitalised(context.windows.missing) + ".";
     if (context.speed) return {};
@@ -227,7 +227,7 @@ std::string drift_words(const Decision& decision, const ClauseContext& context) 
     const WitnessedSpeed* sharpest = nullptr;
     for (const WitnessedSpeed& one : best.witnesses)
         if (one.confirms &&
-            (!sharpest || largest_error_beside(one) < largest_error_beside(*sharpest)))
+            (!sharpest || largest_error_given(one) < largest_error_given(*sharpest)))
             sharpest = &one;
     const auto& power = best.detection_power;
     const double found_m = decision.drift_found_m_s.value_or(0.0) * duration_s;
@@ -239,7 +239,7 @@ std::string drift_words(const Decision& decision, const ClauseContext& context) 
     std::string also;
     if (sharpest)
         also = fmt::format("; beside the {} their error is at most {:.2f} m (k = 2)",
-                           words_of(sharpest->kind), largest_error_beside(*sharpest) * duration_s);
+                           words_of(sharpest->kind), largest_error_given(*sharpest) * duration_s);
     else if (decision.drift_found_m_s && power)
         also = fmt::format(
             "; screening finds a drift of {:.2f} m there with a probability of {:.0f} %", found_m,
@@ -283,10 +283,11 @@ std::string fault_words(const ClauseContext& context) {
             "that risk on average and would not hold the speed of such a window.",
             counted(std::llround(1.0 / evidence->fault_probability)), by_up_to);
     const auto& decision = *context.decision;
-    return words + fmt::format(" With a risk of {} the true speed is below {} {}.",
-                               chance_text(*decision.tail_risk),
-                               beside(*context.shown, *decision.tail_speed_m_s, SafeSide::down),
-                               unit.name);
+    return words +
+           fmt::format(" With a risk of {} the true speed is below {} {}.",
+                       chance_text(*decision.tail_risk),
+                       in_decimals_of(*context.shown, *decision.tail_speed_m_s, SafeSide::down),
+                       unit.name);
 }
 
 /// Whether the fastest window, which proves less, could have reached the required speed.
@@ -421,8 +422,8 @@ void set_figures(const ClauseContext& context, ProfileVerdict& verdict) {
 }
 
 ProfileVerdict judge(const CheckInput& input, const Profile& profile, const ProfileWindows& windows,
-                     bool files_answered) {
-    const ClauseContext context = gather_context(input, profile, windows, files_answered);
+                     bool files_attested) {
+    const ClauseContext context = gather_context(input, profile, windows, files_attested);
     ProfileVerdict verdict;
     verdict.profile = profile.id;
     verdict.rule = {

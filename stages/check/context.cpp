@@ -209,8 +209,8 @@ ComparedSpeeds compared_speeds(const ClauseContext& context, double other_m_s,
 std::optional<SubtractedCurrent> subtracted_current(const ClauseContext& context) {
     if (context.profile.current != CurrentUse::subtracted || !context.shown) return std::nullopt;
     const ShownFigures& shown = *context.shown;
-    const std::string over_ground =
-        beside(shown, context.speed->speed_m_s + context.current->along_m_s, SafeSide::down);
+    const std::string over_ground = in_decimals_of(
+        shown, context.speed->speed_m_s + context.current->along_m_s, SafeSide::down);
     return SubtractedCurrent{
         .over_ground = fmt::format("{} {}", over_ground, shown.unit),
         .current = fmt::format("{} {}", signed_difference(over_ground, shown.speed), shown.unit)};
@@ -300,12 +300,12 @@ std::vector<CraftRun> runs_under(const Profile& profile, const ReceiverFindings&
 }
 
 ClauseContext gather_context(const CheckInput& input, const Profile& profile,
-                             const ProfileWindows& windows, bool files_answered) {
+                             const ProfileWindows& windows, bool files_attested) {
     ClauseContext context{.input = input,
                           .profile = profile,
                           .windows = windows,
                           .coverage_factor = profile.coverage_factor,
-                          .files_answered = files_answered};
+                          .files_attested = files_attested};
     if (const auto& best = windows.best) {
         context.counted = windows.further;
         context.counted.insert(context.counted.begin(), {.span = best->span,

@@ -54,7 +54,7 @@ void add_straddle(const ClauseContext& context, Sentences& say) {
         const double speed_m_s = speed_by(best->definitions, one);
         (speed_m_s >= context.required_speed->speed_m_s ? above : below)
             .push_back(fmt::format("{} ({} {})", definition_in_prose(one),
-                                   beside(shown, speed_m_s, SafeSide::down), shown.unit));
+                                   in_decimals_of(shown, speed_m_s, SafeSide::down), shown.unit));
     }
     if (above.empty() || below.empty()) return;
     say("The definition of speed matters here: {} would reach the required {} {}, {} would not. "
@@ -114,7 +114,7 @@ bool would_show(const WitnessedSpeed& one, const WitnessedSpeed& other) {
 /// What contradicts a window's positions, whether anything that agrees with them speaks against
 /// that, and what to check. Empty if nothing contradicts them.
 std::string contradiction_of(const std::vector<WitnessedSpeed>& witnesses) {
-    std::vector<const WitnessedSpeed*> against, beside;
+    std::vector<const WitnessedSpeed*> against, agreeing;
     for (const WitnessedSpeed& one : witnesses)
         if (one.kind != WitnessKind::positions && contradicts(one)) against.push_back(&one);
     if (against.empty()) return {};
@@ -122,14 +122,14 @@ std::string contradiction_of(const std::vector<WitnessedSpeed>& witnesses) {
         against, {}, [](const WitnessedSpeed* one) { return std::abs(one->difference_m_s); });
     for (const WitnessedSpeed& one : witnesses)
         if (one.kind != WitnessKind::positions && !contradicts(one) && would_show(one, **least))
-            beside.push_back(&one);
+            agreeing.push_back(&one);
     std::string text = names_of(against) + " contradict the positions there";
-    if (beside.empty())
+    if (agreeing.empty())
         text += ", and nothing else says which of them errs.";
     else
         text += fmt::format(
             "{}. {} agree with the positions, and would have shown a difference of that size.",
-            against.size() == 1 ? " and stand alone" : "", names_of(beside));
+            against.size() == 1 ? " and stand alone" : "", names_of(agreeing));
     for (const WitnessedSpeed* const one : against)
         text += fmt::format(" {}", witness_entry(one->kind).remedy);
     return text;
@@ -184,8 +184,8 @@ void add_mean_of_samples(const ClauseContext& context, Sentences& say) {
     const double samples_m_s = speed_by(best->definitions, profile.definition);
     const double time_m_s = best->definitions.path_length_m_s;
     if (std::abs(samples_m_s - time_m_s) <= 0.1 * *context.expanded_uncertainty_m_s) return;
-    const std::string of_samples = beside(*context.shown, samples_m_s, SafeSide::down);
-    const std::string over_time = beside(*context.shown, time_m_s, SafeSide::down);
+    const std::string of_samples = in_decimals_of(*context.shown, samples_m_s, SafeSide::down);
+    const std::string over_time = in_decimals_of(*context.shown, time_m_s, SafeSide::down);
     say("The rule counts the mean of the {} {}, not the mean over time. The smoothed track gives "
         "{} {} by such samples and {} {} over time ({} {}).",
         context.epochs().size() - (both_ends ? 0 : 1),

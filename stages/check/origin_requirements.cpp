@@ -9,7 +9,7 @@
 #include "core/speed_unit.h"
 #include "stages/check/course.h"
 #include "stages/check/requirements.h"
-#include "witness/going_on.h"
+#include "witness/continuity.h"
 
 namespace runcert {
 namespace {

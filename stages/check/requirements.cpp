@@ -78,14 +78,14 @@ Finding computed(const Clause& clause, const ClauseContext& context) {
 
 Requirement decide_clause(const Clause& clause, const ClauseContext& context) {
     Finding finding = computed(clause, context);
-    if (!context.files_answered && context.course.ground &&
+    if (!context.files_attested && context.course.ground &&
         finding.status != RequirementStatus::not_met) {
         ClauseContext without_surface = context;
         without_surface.course.ground.reset();
         finding = computed(clause, without_surface);
     }
     // What needs an answer before it can be computed is not failed.
-    if (finding.status == RequirementStatus::not_met && !context.files_answered &&
+    if (finding.status == RequirementStatus::not_met && !context.files_attested &&
         !context.windows.best &&
         windows_of(context.input.judged.windows, context.profile, true).best)
         finding.status = RequirementStatus::attest;

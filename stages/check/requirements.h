@@ -71,10 +71,10 @@ struct ClauseContext {
     std::vector<std::string> witnesses = {};
     std::vector<std::string> unsure_witnesses = {};
     bool observed = false;       ///< whether `witnesses` includes a receiver's recording
-    bool files_answered = true;  ///< whether officials answered for second files
+    bool files_attested = true;  ///< whether officials answered for second files
     /// Key of the window's epochs.
     std::string key() const {
-        return files_answered && !input.judged.windows.with_files.empty()
+        return files_attested && !input.judged.windows.with_files.empty()
                    ? key_with_files(profile.id)
                    : profile.id;
     }
@@ -88,7 +88,7 @@ struct ClauseContext {
 /// Gathers a profile's figures: its windows, the record and the required speed, the conformance
 /// probability, course and craft, wind and current, second methods.
 ClauseContext gather_context(const CheckInput& input, const Profile& profile,
-                             const ProfileWindows& windows, bool files_answered);
+                             const ProfileWindows& windows, bool files_attested);
 
 /// How a body rounds by such a rule.
 StepRounding direction_of(const DecimalRule& rule);

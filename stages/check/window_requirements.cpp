@@ -118,7 +118,7 @@ std::vector<Figure> crossing_figures(const ClauseContext& context) {
 
 /// The expanded uncertainty in the unit of the rule's limit, rounded up as the page shows it; with
 /// its own decimals where those of the page would hide on which side of the limit it is.
-std::string beside_limit(double uncertainty_m_s, const ClauseContext& context) {
+std::string uncertainty_at_limit(double uncertainty_m_s, const ClauseContext& context) {
     const SpeedUnit& unit = speed_unit(context.profile.accuracy_unit);
     const double limit_m_s = *context.profile.accuracy_limit_m_s;
     std::string shown = shown_speed(SpeedKind::uncertainty, uncertainty_m_s, *context.shown, unit);
@@ -254,8 +254,8 @@ Finding computation::accuracy(const Clause&, const ClauseContext& context) {
     const double u = *context.expanded_uncertainty_m_s;
     const double bias_limit_m_s = context.speed->bias_limit_m_s;
     const SpeedUnit& unit = speed_unit(context.profile.accuracy_unit);
-    Figure uncertainty =
-        speed_figure("expanded uncertainty", u, std::string(unit.name), beside_limit(u, context));
+    Figure uncertainty = speed_figure("expanded uncertainty", u, std::string(unit.name),
+                                      uncertainty_at_limit(u, context));
     uncertainty.relation = LimitRelation::at_most;
     uncertainty.limit = *limit_m_s * unit.per_m_s;
     return {u <= *limit_m_s ? RequirementStatus::met : RequirementStatus::not_met,
@@ -263,7 +263,7 @@ Finding computation::accuracy(const Clause&, const ClauseContext& context) {
                 "expanded uncertainty {} (k = {}{}), limit {}; {}", uncertainty.shown,
                 coverage_text(context.coverage_factor),
                 bias_limit_m_s > 0.0 ? fmt::format(", with {} for the choice of the window",
-                                                   beside_limit(bias_limit_m_s, context))
+                                                   uncertainty_at_limit(bias_limit_m_s, context))
                                      : "",
                 number_text(*uncertainty.limit, unit.name),
                 context.profile.speed_source == SpeedSource::velocity
@@ -287,8 +287,8 @@ Finding computation::margin(const Clause&, const ClauseContext& context) {
                                    fmt::format("{} {}", shown.required_speed, shown.unit));
     required.expanded_uncertainty = required_u / unit_m_s;
     if (required_u > 0.0)
-        required.shown +=
-            fmt::format(" ± {} {} (k = 2)", beside(shown, required_u, SafeSide::up), shown.unit);
+        required.shown += fmt::format(" ± {} {} (k = 2)",
+                                      in_decimals_of(shown, required_u, SafeSide::up), shown.unit);
     const std::string probability = probability_text(decision.probability);
     return {
         decision.probability >= decision.level ? RequirementStatus::met

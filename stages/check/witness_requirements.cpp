@@ -254,7 +254,7 @@ Finding computation::secondary_method(const Clause& clause, const ClauseContext&
     if (!context.input.secondary)
         return declared ? by_declaration(context) : by_own_witnesses(clause, context);
     Finding other = by_receiver(context);
-    if (!context.files_answered && other.status == RequirementStatus::met) {
+    if (!context.files_attested && other.status == RequirementStatus::met) {
         other.status = RequirementStatus::attest;
         other.evidence += "; this counts once an official has answered for its file";
     }

@@ -202,7 +202,7 @@ ToLocalFrame::ToLocalFrame(const RecordingFacts& facts, const std::optional<Geod
     frames_.emplace(*origin_);
 }
 
-void ToLocalFrame::set_places(std::vector<FramePlace> places) {
+void ToLocalFrame::set_receiver_positions(std::vector<FramePlace> places) {
     origin_->places = std::move(places);
     frames_.emplace(*origin_);
 }
@@ -260,7 +260,7 @@ EnuTable to_enu(const Observations& observations, const std::optional<Geodetic>&
         Places places(to_local.origin()->position);
         for (const Observation& row : observations.rows)
             places.see(row);
-        to_local.set_places(places.found());
+        to_local.set_receiver_positions(places.found());
     }
     EnuTable table;
     table.facts = facts;

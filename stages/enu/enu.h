@@ -77,7 +77,7 @@ class ToLocalFrame {
     }
 
     /// To be called before the first row, where there is an origin.
-    void set_places(std::vector<FramePlace> places);
+    void set_receiver_positions(std::vector<FramePlace> places);
 
     const std::optional<FrameOrigin>& origin() const { return origin_; }
 

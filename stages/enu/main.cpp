@@ -20,7 +20,7 @@ void convert(StageRun& run, const Receiver& receiver) {
     if (to_local.origin()) {
         Places places(to_local.origin()->position);
         observations.look_ahead([&places](const Observation& row) { places.see(row); });
-        to_local.set_places(places.found());
+        to_local.set_receiver_positions(places.found());
     }
     const EnuTable head{
         .header = one.header(), .facts = facts, .origin = to_local.origin(), .rows = {}};

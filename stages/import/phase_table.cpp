@@ -169,7 +169,7 @@ class Sky {
 
   private:
     bool set_place(const Eigen::Vector3d& position_m) {
-        const ReceiverPlace place = receiver_place(position_m);
+        const ReceiverPosition place = receiver_position(position_m);
         if (place.height_m < lowest_m || place.height_m > highest_m) return false;
         place_ = place;
         return true;
@@ -177,7 +177,7 @@ class Sky {
 
     const Held& held_;
     Ephemerides ephemerides_;
-    std::optional<ReceiverPlace> place_;
+    std::optional<ReceiverPosition> place_;
     std::optional<GpsTime> solved_at_;
 };
 

@@ -84,14 +84,14 @@ class Adaptation {
     /// whether anything changed.
     bool adapt_stretch(const TestedStretch<Axes>& stretch) {
         const bool changed = decide_in(stretch);
-        if (!changed) settled_.insert(place_of(stretch));
+        if (!changed) settled_.insert(range_of(stretch));
         return changed;
     }
 
     /// Leaves out stretches that no number of decisions has made fit.
     void give_up() {
         for (const TestedStretch<Axes>& stretch : open_stretches()) {
-            const auto [first, end] = place_of(stretch);
+            const auto [first, end] = range_of(stretch);
             const ScreeningDecision decision{.hypothesis = Hypothesis::model,
                                              .first = first,
                                              .last = end - 1,
@@ -107,14 +107,14 @@ class Adaptation {
     ArcDecisions decisions() && { return std::move(decisions_); }
 
   private:
-    static std::pair<std::size_t, std::size_t> place_of(const TestedStretch<Axes>& stretch) {
+    static std::pair<std::size_t, std::size_t> range_of(const TestedStretch<Axes>& stretch) {
         return {stretch.first, stretch.first + stretch.epochs.size()};
     }
 
     std::vector<TestedStretch<Axes>> open_stretches() const {
         std::vector<TestedStretch<Axes>> stretches = stretches_of(arc_, model_, decisions_);
         std::erase_if(stretches, [&](const TestedStretch<Axes>& stretch) {
-            return settled_.contains(place_of(stretch));
+            return settled_.contains(range_of(stretch));
         });
         return stretches;
     }
@@ -124,22 +124,23 @@ class Adaptation {
         std::optional<Candidate> span;  ///< the shortest that fails, and the worst of that length
     };
 
-    Findings findings_of(const std::vector<ArcSection>& sections, SectionLooks<Axes>& looks) const {
+    Findings findings_of(const std::vector<ArcSection>& sections,
+                         SectionTestsCache<Axes>& section_tests) const {
         Findings findings;
         for (const ArcSection& section : sections) {
-            const StretchTests<Axes>& tests = looks.at(section).tests;
+            const StretchTests<Axes>& tests = section_tests.at(section).tests;
             for (const Candidate& candidate : tests.candidates())
-                if (const Candidate here = moved(candidate, section.taken_first, 0);
-                    answers_for(section, here))
+                if (const Candidate here = shifted(candidate, section.used_first, 0);
+                    decides_on(section, here))
                     findings.candidates.push_back(here);
             if (!findings.candidates.empty()) continue;
             const auto failing = tests.failing_span();
             if (!failing) continue;
-            const Candidate span = moved(*failing, section.taken_first, 0);
+            const Candidate span = shifted(*failing, section.used_first, 0);
             const auto rank = [](const Candidate& one) {
                 return std::pair(one.degrees_of_freedom, -one.statistic);
             };
-            if (answers_for(section, span) && (!findings.span || rank(span) < rank(*findings.span)))
+            if (decides_on(section, span) && (!findings.span || rank(span) < rank(*findings.span)))
                 findings.span = span;
         }
         return findings;
@@ -150,30 +151,32 @@ class Adaptation {
             stretch.epochs,
             stretch.epochs.size() > section_epochs_ ? memory_s<Axes>(stretch.epochs, model_) : 0.0,
             section_epochs_);
-        SectionLooks<Axes> looks(stretch, model_, plan_);
-        Findings findings = findings_of(sections, looks);
+        SectionTestsCache<Axes> section_tests(stretch, model_, plan_);
+        Findings findings = findings_of(sections, section_tests);
         const std::size_t reach = 2 * plan_.burst_epochs_max();
         const std::vector<Candidate> chosen = choose(std::move(findings.candidates), reach);
         bool changed = false;
         for (const ArcSection& section : sections) {
             for (const Candidate& candidate : chosen) {
-                if (!answers_for(section, candidate)) continue;
-                const SectionTests<Axes>& at = looks.at(section);
+                if (!decides_on(section, candidate)) continue;
+                const SectionTests<Axes>& at = section_tests.at(section);
                 accept(at.part, at.tests,
-                       at.tests.best_explanation(moved(candidate, 0, section.taken_first),
+                       at.tests.best_explanation(shifted(candidate, 0, section.used_first),
                                                  is_hard_motion(stretch.first + candidate.first)));
                 changed = true;
             }
-            if (chosen.empty() && findings.span && answers_for(section, *findings.span)) {
-                const SectionTests<Axes>& at = looks.at(section);
-                accept(at.part, at.tests,
-                       at.tests.explanation_of_span(moved(*findings.span, 0, section.taken_first)));
+            if (chosen.empty() && findings.span && decides_on(section, *findings.span)) {
+                const SectionTests<Axes>& at = section_tests.at(section);
+                accept(
+                    at.part, at.tests,
+                    at.tests.explanation_of_span(shifted(*findings.span, 0, section.used_first)));
                 changed = true;
             }
         }
         if (changed) return true;
         for (const ArcSection& section : sections)
-            if (decided_in(stretch, section)) changed = take_back(looks.at(section)) || changed;
+            if (decided_in(stretch, section))
+                changed = withdraw(section_tests.at(section)) || changed;
         return changed;
     }
 
@@ -225,12 +228,12 @@ class Adaptation {
     }
 
     /// Withdraws outliers and steps that are none, given all other decisions.
-    bool take_back(const SectionTests<Axes>& looked) {
-        const TestedStretch<Axes>& stretch = looked.part;
-        const StretchTests<Axes>& tests = looked.tests;
+    bool withdraw(const SectionTests<Axes>& section) {
+        const TestedStretch<Axes>& stretch = section.part;
+        const StretchTests<Axes>& tests = section.tests;
         bool changed = false;
-        for (std::size_t i = looked.section.first - looked.section.taken_first;
-             i < looked.section.end - looked.section.taken_first; ++i) {
+        for (std::size_t i = section.section.first - section.section.used_first;
+             i < section.section.end - section.section.used_first; ++i) {
             const std::size_t k = stretch.first + i;
             auto& left_out = decisions_.left_out[k];
             if (left_out && left_out->hypothesis == Hypothesis::outlier) {

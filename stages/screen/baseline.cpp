@@ -9,14 +9,48 @@
 #include "stages/screen/adaptation.h"
 #include "stages/screen/decisions.h"
 #include "stages/screen/noise.h"
-#include "stages/screen/receiver_pairs.h"
 #include "witness/arcs.h"
 #include "witness/copies.h"
+#include "witness/position_pairs.h"
 
 namespace runcert {
 namespace {
 
 using Eigen::Matrix2d, Eigen::Matrix3d, Eigen::Vector2d, Eigen::Vector3d;
+
+/// An epoch common to both receivers.
+struct ReceiverPair : PositionPair {
+    std::optional<Eigen::Vector2d> track = {};  ///< direction of travel, where it shows the craft's
+                                                ///< attitude
+    double variance_of_direction = 0.0;         ///< rad^2
+};
+
+bool tells_direction(const EpochMotion& motion, double length_m) {
+    constexpr double slowest_m_s = 1.0;
+    constexpr double largest_turn = 0.05;
+    const double speed_m_s = motion.velocity.norm();
+    const double sigma_m_s = std::sqrt(motion.velocity_covariance.trace());
+    if (!(speed_m_s > slowest_m_s && speed_m_s > 10.0 * sigma_m_s)) return false;
+    const Vector2d &v = motion.velocity, &a = motion.acceleration;
+    const double curvature = std::abs(v.x() * a.y() - v.y() * a.x()) / std::pow(speed_m_s, 3);
+    return curvature * length_m <= largest_turn;
+}
+
+/// The pairs of `position_pairs`, with directions as `compare_receivers` describes.
+std::vector<ReceiverPair> pairs_of(const ScreenedTable& first, const ScreenedTable& second,
+                                   const Motion& motion_of_first) {
+    std::vector<ReceiverPair> pairs;
+    for (const PositionPair& both : position_pairs(first, second)) {
+        ReceiverPair& pair = pairs.emplace_back(ReceiverPair{both});
+        const auto& motion = motion_of_first[pair.rows[0]];
+        if (!motion || !tells_direction(*motion, pair.difference.head<2>().norm())) continue;
+        pair.track = motion->velocity.normalized();
+        const Vector2d across(-pair.track->y(), pair.track->x());
+        pair.variance_of_direction =
+            across.dot(motion->velocity_covariance * across) / motion->velocity.squaredNorm();
+    }
+    return pairs;
+}
 
 std::vector<double> lengths_of(const std::vector<ReceiverPair>& pairs) {
     std::vector<double> lengths;
@@ -111,7 +145,7 @@ Series series_of(const std::vector<ReceiverPair>& pairs,
 template <int Axes>
 EstimationModel estimate_model(const Series& series, double length_m, const TestPlan& plan,
                                ScreenConfig config) {
-    constexpr TestedAxes axes = Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal;
+    constexpr TestedAxes axes = tested_axes<Axes>;
     // How fast the craft may turn relative to its track, rad s^-2.5, and how fast antennas may
     // sway.
     constexpr double angular_jerk_density = 0.1;

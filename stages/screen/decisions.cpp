@@ -34,6 +34,15 @@ ArcBreak break_of(Hypothesis hypothesis) {
     return ArcBreak::step;
 }
 
+/// The rows of an arc.
+struct ArcView {
+    std::vector<ScreenedEpoch>& rows;
+    std::span<const std::size_t> indices;
+
+    std::size_t size() const { return indices.size(); }
+    ScreenedEpoch& operator[](std::size_t k) const { return rows[indices[k]]; }
+};
+
 /// Epochs of an arc, both ends included.
 struct EpochRange {
     std::size_t first = 0;
@@ -59,16 +68,14 @@ struct Excursion {
     }
 };
 
-std::vector<Excursion> excursions_of(const std::vector<ScreenedEpoch>& rows,
-                                     std::span<const std::size_t> arc_rows,
-                                     const ArcDecisions& decisions) {
+std::vector<Excursion> excursions_of(const ArcView& arc, const ArcDecisions& decisions) {
     constexpr double longest_s = 60.0;
     std::vector<Excursion> excursions;
     double begun_s = 0.0;
-    for (std::size_t k = 0; k < arc_rows.size(); ++k) {
+    for (std::size_t k = 0; k < arc.size(); ++k) {
         const auto& decision = decisions.breaks[k];
         if (!decision || decision->hypothesis != Hypothesis::ramp) continue;
-        const double time_s = rows[arc_rows[k]].time.seconds();
+        const double time_s = arc[k].time.seconds();
         if (excursions.empty() || time_s - begun_s > longest_s || excursions.back().ends()) {
             excursions.emplace_back();
             begun_s = time_s;
@@ -97,21 +104,18 @@ std::optional<Eigen::Vector3d> recorded_velocity(const ScreenedEpoch& row, Teste
 
 /// Velocity of the positions between two rows of the arc, minus the mean of the velocities recorded
 /// `lag` rows later. Empty if a value is missing, or there are too few rows.
-std::optional<Eigen::Vector3d> unrecorded_velocity(const std::vector<ScreenedEpoch>& rows,
-                                                   std::span<const std::size_t> arc_rows,
-                                                   EpochRange part, std::size_t lag,
-                                                   TestedAxes axes) {
+std::optional<Eigen::Vector3d> unrecorded_velocity(const ArcView& arc, EpochRange part,
+                                                   std::size_t lag, TestedAxes axes) {
     constexpr std::size_t fewest = 4;
-    if (part.last < part.first + fewest || part.last + lag >= arc_rows.size()) return std::nullopt;
-    const auto position = [&](std::size_t k) { return position_along(rows[arc_rows[k]], axes); };
+    if (part.last < part.first + fewest || part.last + lag >= arc.size()) return std::nullopt;
+    const auto position = [&](std::size_t k) { return position_along(arc[k], axes); };
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     for (std::size_t k = part.first; k <= part.last; ++k) {
-        const auto velocity = recorded_velocity(rows[arc_rows[k + lag]], axes);
+        const auto velocity = recorded_velocity(arc[k + lag], axes);
         if (!velocity) return std::nullopt;
         sum += *velocity;
     }
-    const double elapsed_s =
-        rows[arc_rows[part.last]].time.seconds() - rows[arc_rows[part.first]].time.seconds();
+    const double elapsed_s = arc[part.last].time.seconds() - arc[part.first].time.seconds();
     return (position(part.last) - position(part.first)) / elapsed_s -
            sum / static_cast<double>(part.last - part.first + 1);
 }
@@ -124,32 +128,28 @@ struct RampSides {
     Eigen::Vector3d rate = Eigen::Vector3d::Zero();
 };
 
-double away_s(const std::vector<ScreenedEpoch>& rows, std::span<const std::size_t> arc_rows,
-              std::size_t k, std::size_t from) {
-    return std::abs(rows[arc_rows[k]].time.seconds() - rows[arc_rows[from]].time.seconds());
+double away_s(const ArcView& arc, std::size_t k, std::size_t from) {
+    return std::abs(arc[k].time.seconds() - arc[from].time.seconds());
 }
 
 /// The epochs on both sides of a given one within `reach_s` seconds.
-EpochRange around(const std::vector<ScreenedEpoch>& rows, std::span<const std::size_t> arc_rows,
-                  std::size_t from, double reach_s) {
+EpochRange around(const ArcView& arc, std::size_t from, double reach_s) {
     EpochRange range{from, from};
-    while (range.first > 0 && away_s(rows, arc_rows, range.first - 1, from) <= reach_s)
+    while (range.first > 0 && away_s(arc, range.first - 1, from) <= reach_s)
         --range.first;
-    while (range.last + 1 < arc_rows.size() &&
-           away_s(rows, arc_rows, range.last + 1, from) <= reach_s)
+    while (range.last + 1 < arc.size() && away_s(arc, range.last + 1, from) <= reach_s)
         ++range.last;
     return range;
 }
 
 /// On the ground, heights without recorded vertical velocities serve only as a witness of the
 /// horizontal positions. Horizontal velocities are then considered instead.
-RampSides ramp_sides_of(const std::vector<ScreenedEpoch>& rows,
-                        std::span<const std::size_t> arc_rows, const ScreeningDecision& ramp,
-                        TestedAxes tested, bool on_the_ground) {
+RampSides ramp_sides_of(const ArcView& arc, const ScreeningDecision& ramp, TestedAxes tested,
+                        bool on_the_ground) {
     constexpr double reach_s = 2.0;
     const bool level = tested == TestedAxes::vertical && on_the_ground &&
-                       !rows[arc_rows[ramp.first]].recorded_velocity_up_m_s;
-    const EpochRange near = around(rows, arc_rows, ramp.first, reach_s);
+                       !arc[ramp.first].recorded_velocity_up_m_s;
+    const EpochRange near = around(arc, ramp.first, reach_s);
     const EstimatedError& by = ramp.estimated;
     return {.before = {near.first, ramp.first},
             .after = {ramp.first, near.last},
@@ -161,14 +161,11 @@ RampSides ramp_sides_of(const std::vector<ScreenedEpoch>& rows,
 /// The least norm of a velocity that is compared at a lag, over the lags of the recorded velocities
 /// of up to half a second. Infinite if it is nowhere known.
 template <class AtLag>
-double least_over_lags(const std::vector<ScreenedEpoch>& rows,
-                       std::span<const std::size_t> arc_rows, std::size_t from,
-                       const AtLag& velocity_at) {
+double least_over_lags(const ArcView& arc, std::size_t from, const AtLag& velocity_at) {
     constexpr double longest_lag_s = 0.5;
     double least_m_s = std::numeric_limits<double>::infinity();
     for (std::size_t lag = 0;
-         from + lag < arc_rows.size() && away_s(rows, arc_rows, from + lag, from) <= longest_lag_s;
-         ++lag)
+         from + lag < arc.size() && away_s(arc, from + lag, from) <= longest_lag_s; ++lag)
         if (const std::optional<Eigen::Vector3d> velocity = velocity_at(lag))
             least_m_s = std::min(least_m_s, velocity->norm());
     return least_m_s;
@@ -177,17 +174,16 @@ double least_over_lags(const std::vector<ScreenedEpoch>& rows,
 /// Whether the recorded velocities change with the positions where these seem to begin to drift.
 /// The craft then really moved so, harder than the class's motion model allows. The velocities
 /// would not show a drift of the positions alone.
-bool is_recorded_motion(const std::vector<ScreenedEpoch>& rows,
-                        std::span<const std::size_t> arc_rows, const ScreeningDecision& ramp,
-                        TestedAxes tested, bool on_the_ground) {
-    const RampSides sides = ramp_sides_of(rows, arc_rows, ramp, tested, on_the_ground);
+bool is_recorded_motion(const ArcView& arc, const ScreeningDecision& ramp, TestedAxes tested,
+                        bool on_the_ground) {
+    const RampSides sides = ramp_sides_of(arc, ramp, tested, on_the_ground);
     const auto change = [&](std::size_t lag) -> std::optional<Eigen::Vector3d> {
-        const auto before = unrecorded_velocity(rows, arc_rows, sides.before, lag, sides.axes);
-        const auto after = unrecorded_velocity(rows, arc_rows, sides.after, lag, sides.axes);
+        const auto before = unrecorded_velocity(arc, sides.before, lag, sides.axes);
+        const auto after = unrecorded_velocity(arc, sides.after, lag, sides.axes);
         if (!before || !after) return std::nullopt;
         return *after - *before;
     };
-    return least_over_lags(rows, arc_rows, ramp.first, change) < 0.5 * sides.rate.norm();
+    return least_over_lags(arc, ramp.first, change) < 0.5 * sides.rate.norm();
 }
 
 /// The side of a ramp that the recorded velocities confirm.
@@ -196,18 +192,17 @@ enum class VouchedSide { neither, before, after };
 /// The velocities confirm a side whose positions move as they say, if those of the other side do
 /// not: to a quarter of the rate against three quarters. Each side uses the lag of up to half a
 /// second that suits it best. The positions' stated noise must be low enough to decide this.
-VouchedSide vouched_side(const std::vector<ScreenedEpoch>& rows,
-                         std::span<const std::size_t> arc_rows, const ScreeningDecision& ramp,
+VouchedSide vouched_side(const ArcView& arc, const ScreeningDecision& ramp,
                          const RampSides& sides) {
     constexpr double apart_s = 2.0;
     const double rate = sides.rate.norm();
-    const ScreenedEpoch& at = rows[arc_rows[ramp.first]];
+    const ScreenedEpoch& at = arc[ramp.first];
     const double sigma_m = (sides.axes == TestedAxes::vertical ? at.sigma_up_m : at.sigma_east_m)
                                .value_or(std::numeric_limits<double>::infinity());
     if (std::numbers::sqrt2 * sigma_m / apart_s > 0.25 * rate) return VouchedSide::neither;
     const auto least = [&](EpochRange side) {
-        return least_over_lags(rows, arc_rows, ramp.first, [&](std::size_t lag) {
-            return unrecorded_velocity(rows, arc_rows, side, lag, sides.axes);
+        return least_over_lags(arc, ramp.first, [&](std::size_t lag) {
+            return unrecorded_velocity(arc, side, lag, sides.axes);
         });
     };
     const double before = least(sides.before);
@@ -220,28 +215,24 @@ VouchedSide vouched_side(const std::vector<ScreenedEpoch>& rows,
 
 /// Whether the positions stand still for some seconds from an epoch on, in the direction of the arc
 /// or against it: they move by less than a tenth of the rate. Drifting positions do not.
-bool stands_still(const std::vector<ScreenedEpoch>& rows, std::span<const std::size_t> arc_rows,
-                  std::size_t from, int direction, const RampSides& sides) {
+bool stands_still(const ArcView& arc, std::size_t from, int direction, const RampSides& sides) {
     constexpr double long_s = 10.0;
-    const auto position = [&](std::size_t k) {
-        return position_along(rows[arc_rows[k]], sides.axes);
-    };
+    const auto position = [&](std::size_t k) { return position_along(arc[k], sides.axes); };
     const double allowed_m_s = 0.1 * sides.rate.norm();
     std::size_t k = from;
-    while (away_s(rows, arc_rows, k, from) < long_s) {
-        if (direction > 0 ? k + 1 == arc_rows.size() : k == 0) return false;
+    while (away_s(arc, k, from) < long_s) {
+        if (direction > 0 ? k + 1 == arc.size() : k == 0) return false;
         k = direction > 0 ? k + 1 : k - 1;
         if ((position(k) - position(from)).norm() > allowed_m_s * long_s) return false;
     }
-    return (position(k) - position(from)).norm() <= allowed_m_s * away_s(rows, arc_rows, k, from);
+    return (position(k) - position(from)).norm() <= allowed_m_s * away_s(arc, k, from);
 }
 
 /// Whether most epochs of a range have a velocity, or a speed, along the axes.
-bool has_velocities(const std::vector<ScreenedEpoch>& rows, std::span<const std::size_t> arc_rows,
-                    EpochRange range, TestedAxes axes) {
+bool has_velocities(const ArcView& arc, EpochRange range, TestedAxes axes) {
     std::size_t recorded = 0;
     for (std::size_t k = range.first; k <= range.last; ++k) {
-        const ScreenedEpoch& row = rows[arc_rows[k]];
+        const ScreenedEpoch& row = arc[k];
         const bool level = row.recorded_velocity_east_m_s || row.recorded_speed_m_s;
         const bool upright = row.recorded_velocity_up_m_s.has_value();
         recorded += (axes == TestedAxes::vertical ? upright : level) ? 1 : 0;
@@ -251,36 +242,34 @@ bool has_velocities(const std::vector<ScreenedEpoch>& rows, std::span<const std:
 
 /// How far a drift that begins or ends at a ramp can reach: epochs first to last - 1. It does not
 /// extend past another break, nor to a side that the recorded velocities confirm.
-EpochRange reach_of(const std::vector<ScreenedEpoch>& rows, std::span<const std::size_t> arc_rows,
-                    const ArcDecisions& decisions, const ScreeningDecision& ramp, TestedAxes axes,
-                    bool on_the_ground) {
+EpochRange reach_of(const ArcView& arc, const ArcDecisions& decisions,
+                    const ScreeningDecision& ramp, TestedAxes axes, bool on_the_ground) {
     // Solutions that lost track reached 150 m in simulations. No receiver goes further unnoticed.
     constexpr double largest_error_m = 1000.0;
-    const RampSides sides = ramp_sides_of(rows, arc_rows, ramp, axes, on_the_ground);
+    const RampSides sides = ramp_sides_of(arc, ramp, axes, on_the_ground);
     const double rate = sides.rate.norm();
     // Recorded velocities, where they exist, test positions further away, and each window by
     // itself.
-    constexpr double beside_velocities_s = 10.0;
-    const bool witnessed = has_velocities(rows, arc_rows, sides.before, sides.axes) &&
-                           has_velocities(rows, arc_rows, sides.after, sides.axes);
-    const double reach_s = witnessed    ? beside_velocities_s
+    constexpr double reach_of_velocities_s = 10.0;
+    const bool witnessed = has_velocities(arc, sides.before, sides.axes) &&
+                           has_velocities(arc, sides.after, sides.axes);
+    const double reach_s = witnessed    ? reach_of_velocities_s
                            : rate > 0.0 ? largest_error_m / rate
                                         : std::numeric_limits<double>::infinity();
-    const VouchedSide vouched = vouched_side(rows, arc_rows, ramp, sides);
-    const auto goes_on = [&](std::size_t k, int direction) {
-        return away_s(rows, arc_rows, k, ramp.first) <= reach_s &&
-               !stands_still(rows, arc_rows, k, direction, sides);
+    const VouchedSide vouched = vouched_side(arc, ramp, sides);
+    const auto continues = [&](std::size_t k, int direction) {
+        return away_s(arc, k, ramp.first) <= reach_s && !stands_still(arc, k, direction, sides);
     };
     EpochRange reach{ramp.first, ramp.first};
     if (vouched != VouchedSide::before) {
         while (reach.first > 0 && !decisions.breaks[reach.first - 1] &&
-               goes_on(reach.first - 1, -1))
+               continues(reach.first - 1, -1))
             --reach.first;
         if (reach.first > 0 && decisions.breaks[reach.first - 1]) --reach.first;
     }
     if (vouched != VouchedSide::after)
-        while (++reach.last < arc_rows.size() && !decisions.breaks[reach.last] &&
-               goes_on(reach.last, 1)) {
+        while (++reach.last < arc.size() && !decisions.breaks[reach.last] &&
+               continues(reach.last, 1)) {
         }
     return reach;
 }
@@ -311,32 +300,28 @@ class Losses {
 };
 
 /// Leaves out epochs first to last - 1 of the arc.
-void leave_out_range(std::vector<ScreenedEpoch>& rows, std::span<const std::size_t> arc_rows,
-                     EpochRange range, const ScreeningDecision& decision, TestedAxes axes,
-                     Losses& losses) {
+void leave_out_range(const ArcView& arc, EpochRange range, const ScreeningDecision& decision,
+                     TestedAxes axes, Losses& losses) {
     std::int64_t lost = 0;
     for (std::size_t k = range.first; k < range.last; ++k)
-        lost += leave_out(rows[arc_rows[k]], decision, Reason::model, axes) ? 1 : 0;
-    if (range.last > range.first)
-        losses.add(decision, rows[arc_rows[range.first]], rows[arc_rows[range.last - 1]], lost);
+        lost += leave_out(arc[k], decision, Reason::model, axes) ? 1 : 0;
+    if (range.last > range.first) losses.add(decision, arc[range.first], arc[range.last - 1], lost);
 }
 
-void leave_out_drifting(std::vector<ScreenedEpoch>& rows, std::span<const std::size_t> arc_rows,
-                        const ArcDecisions& decisions, TestedAxes axes, bool on_the_ground,
-                        Losses& losses) {
-    for (const Excursion& excursion : excursions_of(rows, arc_rows, decisions)) {
+void leave_out_drifting(const ArcView& arc, const ArcDecisions& decisions, TestedAxes axes,
+                        bool on_the_ground, Losses& losses) {
+    for (const Excursion& excursion : excursions_of(arc, decisions)) {
         if (std::ranges::all_of(excursion.ramps, [&](const ScreeningDecision* ramp) {
-                return is_recorded_motion(rows, arc_rows, *ramp, axes, on_the_ground);
+                return is_recorded_motion(arc, *ramp, axes, on_the_ground);
             }))
             continue;
         const ScreeningDecision& first = *excursion.ramps.front();
         const ScreeningDecision& last = *excursion.ramps.back();
-        leave_out_range(rows, arc_rows, {first.first, last.first}, first, axes, losses);
+        leave_out_range(arc, {first.first, last.first}, first, axes, losses);
         if (excursion.ends()) continue;
         for (const ScreeningDecision* ramp : excursion.ramps)
-            leave_out_range(rows, arc_rows,
-                            reach_of(rows, arc_rows, decisions, *ramp, axes, on_the_ground), *ramp,
-                            axes, losses);
+            leave_out_range(arc, reach_of(arc, decisions, *ramp, axes, on_the_ground), *ramp, axes,
+                            losses);
     }
 }
 
@@ -346,12 +331,13 @@ std::optional<LargestDecision> mark_rows(std::vector<ScreenedEpoch>& rows,
                                          std::span<const std::size_t> arc_rows,
                                          const ArcDecisions& decisions, TestedAxes axes,
                                          bool on_the_ground) {
+    const ArcView arc{rows, arc_rows};
     Losses losses(axes);
-    leave_out_drifting(rows, arc_rows, decisions, axes, on_the_ground, losses);
+    leave_out_drifting(arc, decisions, axes, on_the_ground, losses);
     std::int64_t lost = 0;
-    std::size_t begun = arc_rows.size();  // first epoch of the decision being counted
-    for (std::size_t k = 0; k < arc_rows.size(); ++k) {
-        ScreenedEpoch& row = rows[arc_rows[k]];
+    std::size_t begun = arc.size();  // first epoch of the decision being counted
+    for (std::size_t k = 0; k < arc.size(); ++k) {
+        ScreenedEpoch& row = arc[k];
         const auto& decision = decisions.left_out[k];
         if (!decision) continue;
         const Reason reason = decision->hypothesis == Hypothesis::outlier ? Reason::outlier
@@ -361,22 +347,21 @@ std::optional<LargestDecision> mark_rows(std::vector<ScreenedEpoch>& rows,
         if (decision->first != begun) lost = 0;
         begun = decision->first;
         lost += leave_out(row, *decision, reason, axes) ? 1 : 0;
-        losses.add(*decision, rows[arc_rows[decision->first]], row, lost);
+        losses.add(*decision, arc[decision->first], row, lost);
     }
     const auto manoeuvre = axes == TestedAxes::vertical ? &ScreenedEpoch::manoeuvre_up_m_s2
                                                         : &ScreenedEpoch::manoeuvre_m_s2;
-    for (std::size_t k = 0; k < arc_rows.size(); ++k)
-        if (decisions.manoeuvres_m_s2[k] > 0.0)
-            rows[arc_rows[k]].*manoeuvre = decisions.manoeuvres_m_s2[k];
-    for (std::size_t k = 0; k < arc_rows.size(); ++k) {
+    for (std::size_t k = 0; k < arc.size(); ++k)
+        if (decisions.manoeuvres_m_s2[k] > 0.0) arc[k].*manoeuvre = decisions.manoeuvres_m_s2[k];
+    for (std::size_t k = 0; k < arc.size(); ++k) {
         const auto& decision = decisions.breaks[k];
         if (!decision) continue;
         // Where that epoch is left out, the break takes effect at the next usable one.
         std::size_t at = k;
-        while (at < arc_rows.size() && !rows[arc_rows[at]].usable)
+        while (at < arc.size() && !arc[at].usable)
             ++at;
-        if (at == arc_rows.size()) continue;
-        ScreenedEpoch& row = rows[arc_rows[at]];
+        if (at == arc.size()) continue;
+        ScreenedEpoch& row = arc[at];
         // The beginning of the arc, or a break found on the other axes, suffices.
         if (row.break_before) continue;
         row.break_before = break_of(decision->hypothesis);

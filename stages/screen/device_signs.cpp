@@ -10,7 +10,7 @@
 namespace runcert {
 namespace {
 
-constexpr std::size_t epochs_beside = 5;
+constexpr std::size_t epochs_each_side = 5;
 constexpr double moving_m_s = 1.0;
 /// A line straight in latitude and longitude is not straight to the last digit in the local frame.
 constexpr double smallest_tolerance_m = 5e-5;
@@ -128,13 +128,13 @@ DeviceSigns find_device_signs(const std::vector<ScreenedEpoch>& rows, double nom
     const double tolerance_m = std::max(smallest_tolerance_m, 0.5 * position_resolution_m);
     std::vector<double> third;
     // A row must be several coordinate steps away from the previous one.
-    const double moved_m = 2.0 * static_cast<double>(epochs_beside) *
+    const double moved_m = 2.0 * static_cast<double>(epochs_each_side) *
                            std::max(moving_m_s * nominal_interval_s, 3.0 * position_resolution_m);
     std::vector<FourthDifference> fourth;
     const double by_rounding_m2 = 70.0 / 12.0 * 4.0 * tolerance_m * tolerance_m;
     for (const auto& [first, stretch] : stretches_of(rows, nominal_interval_s)) {
-        for (std::size_t k = epochs_beside; k + epochs_beside < stretch.size(); ++k) {
-            if ((stretch[k + epochs_beside] - stretch[k - epochs_beside]).norm() < moved_m)
+        for (std::size_t k = epochs_each_side; k + epochs_each_side < stretch.size(); ++k) {
+            if ((stretch[k + epochs_each_side] - stretch[k - epochs_each_side]).norm() < moved_m)
                 continue;
             ++signs.moving;
             const Position step = stretch[k] - stretch[k - 1];

@@ -6,7 +6,7 @@
 #include <optional>
 #include <utility>
 
-#include "witness/going_on.h"
+#include "witness/continuity.h"
 
 namespace runcert {
 namespace {

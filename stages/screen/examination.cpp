@@ -58,14 +58,14 @@ class ArcExamination {
     ArcExamination(const Arc<Axes>& arc, const ArcSection& section, const EstimationModel& model,
                    const TestPlan& plan)
         : epochs_(std::span(arc.epochs)
-                      .subspan(section.taken_first, section.taken_end - section.taken_first)),
+                      .subspan(section.used_first, section.used_end - section.used_first)),
           plan_(plan),
           diagnosis_(epochs_, model),
           factors_(local_variance_factors(diagnosis_)) {}
 
     void fill(std::size_t k, const std::map<FixType, double>& kinds, ScreenedEpoch& row,
               BestSupported& best) const {
-        constexpr TestedAxes axes = Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal;
+        constexpr TestedAxes axes = tested_axes<Axes>;
         const double factor = factors_[k];
         if (Axes == 2) row.local_variance_factor = factor;
         const bool decided =
@@ -148,7 +148,7 @@ std::vector<FixTypeErrors> compare_fix_types(const ScreenedTable& first_look,
         const double sigma =
             factor / (2.0 * density * expected * std::sqrt(static_cast<double>(values.size())));
         kinds.push_back({.fix = fix,
-                         .axes = Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal,
+                         .axes = tested_axes<Axes>,
                          .epochs = std::ssize(values),
                          .variance_factor = factor,
                          .judgement = !enough ? AccuracyJudgement::too_few_epochs
@@ -207,7 +207,7 @@ void examine_section(const Arc<2>& arc, const Arc<1>* heights, const ArcSection&
         const std::size_t to = std::min(from + block, section.end);
         for (std::size_t k = from; k < to; ++k) {
             const std::size_t row = arc.rows[k];
-            motion[row] = examine(k - section.taken_first, noises, *plane, height, table.rows[row]);
+            motion[row] = examine(k - section.used_first, noises, *plane, height, table.rows[row]);
         }
     });
 }

@@ -38,26 +38,26 @@ class ArcFilter {
         const auto measurement = measurement_of<Axes>(row, variance_factor_);
         predicted_ = started_ ? filter_.predict(estimate_, row.time.seconds() - time_s_)
                               : filter_.prior(measurement.position);
-        if (!started_) taken_ = 0;
-        if (taken_ < measurements_of_the_prior) return std::nullopt;
+        if (!started_) measurements_ = 0;
+        if (measurements_ < measurements_of_the_prior) return std::nullopt;
         estimate_ = predicted_;
-        return filter_.take_in(estimate_, measurement).statistic();
+        return filter_.update(estimate_, measurement).statistic();
     }
 
     /// Takes in the epoch tested last.
     void accept(const ScreenedEpoch& row) {
         estimate_ = predicted_;
-        filter_.take_in(estimate_, measurement_of<Axes>(row, variance_factor_));
+        filter_.update(estimate_, measurement_of<Axes>(row, variance_factor_));
         time_s_ = row.time.seconds();
         started_ = true;
-        ++taken_;
+        ++measurements_;
     }
 
   private:
     KalmanFilter<Axes> filter_;
     double variance_factor_;
     bool started_ = false;
-    int taken_ = 0;
+    int measurements_ = 0;
     double time_s_ = 0.0;
     StateEstimate<Axes> estimate_;
     StateEstimate<Axes> predicted_;

@@ -60,27 +60,27 @@ int main(int argc, char** argv) {
             const ScreenConfig config = screen_config(attempt);
             std::vector<EnuTable> tables;
             std::vector<std::optional<ScreenedPhases>> phases;
-            std::vector<std::optional<PhaseWitness<2>>> witnesses;
+            std::vector<std::optional<PhaseWitness<2>>> phase_witnesses;
             std::vector<std::optional<GroundBelow>> grounds;
             for (const Receiver& receiver : attempt.receivers) {
                 const EnuTable& table =
                     tables.emplace_back(run.read(products::enu, receiver, read_enu));
                 grounds.push_back(read_ground(run, receiver, table));
                 auto& own = phases.emplace_back();
-                auto& witness = witnesses.emplace_back();
+                auto& witness = phase_witnesses.emplace_back();
                 if (!has_phases(receiver)) continue;
                 own = read_and_screen_phases(run, receiver, table);
                 witness = own->witness<2>(table, config.jerk_density);
             }
-            std::vector<ScreeningWitnesses> beside;
-            for (std::size_t i = 0; i < witnesses.size(); ++i)
-                beside.push_back({.phases = witnesses[i] ? &*witnesses[i] : nullptr,
-                                  .handed_in = {},
-                                  .ground = grounds[i] ? &*grounds[i] : nullptr});
+            std::vector<ScreeningWitnesses> witnesses;
+            for (std::size_t i = 0; i < phase_witnesses.size(); ++i)
+                witnesses.push_back({.phases = phase_witnesses[i] ? &*phase_witnesses[i] : nullptr,
+                                     .handed_in = {},
+                                     .ground = grounds[i] ? &*grounds[i] : nullptr});
             // Series handed in belong to the first receiver's craft and use its time.
-            beside.front().handed_in = {
+            witnesses.front().handed_in = {
                 attempt, all_handed_in_series(run, tables.front().facts.first_epoch)};
-            std::vector<ScreenedTable> screened = screen_receivers(tables, config, beside);
+            std::vector<ScreenedTable> screened = screen_receivers(tables, config, witnesses);
             for (std::size_t i = 0; i < screened.size(); ++i) {
                 // Each table depends on the data of all receivers.
                 screened[i].header = run.header();

@@ -81,15 +81,14 @@ ScreeningNoise estimate_screening_noise(const ScreenedTable& first_look,
     ScreeningNoise noise;
     EstimationModel& model = noise.model;
     model.motion.jerk_density = config.jerk_density;
-    noise.summary.axes = Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal;
+    noise.summary.axes = tested_axes<Axes>;
     noise.summary.noise = NoiseBasis::stated;
     if (config.noise == NoiseChoice::fitted) {
-        NoiseFitOptions options;
-        options.initial_jerk_density = config.jerk_density;
-        options.tau_min_s = config.tau_min_s;
-        options.tau_max_s = config.tau_max_s;
-        options.motion = NoiseFitOptions::Motion::constant_acceleration;
-        const NoiseFit fit = fit_noise<Axes>(stretches, options);
+        const NoiseFit fit =
+            fit_noise<Axes>(stretches, {.initial_jerk_density = config.jerk_density,
+                                        .tau_min_s = config.tau_min_s,
+                                        .tau_max_s = config.tau_max_s,
+                                        .motion = NoiseFitOptions::Motion::constant_acceleration});
         noise.summary.noise = basis_of(fit.status);
         if (fit.status == NoiseFit::Status::fitted) {
             model = fit.model;

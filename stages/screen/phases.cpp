@@ -36,7 +36,7 @@ std::string metres(double value_m) {
                                : format_fixed(value_m, value_m >= 100.0 ? 0 : 2) + " m";
 }
 
-void note_place(const PlacesSet& places, std::vector<std::string>& notes) {
+void note_receiver(const PhasePositions& places, std::vector<std::string>& notes) {
     if (places.by_positions || !places.apart_m) return;
     notes.push_back(
         fmt::format("By the raw measurements the receiver was {} away from its recorded "
@@ -158,9 +158,9 @@ ScreenedPhases screen_receiver_phases(const PhaseTable& head, PhaseRecord record
     result.head.receiver = head.receiver;
     result.head.first_epoch = head.first_epoch;
     result.head.epochs = std::ssize(record.epochs);
-    const ReceiverPlaces positions(table.origin, table.facts.first_epoch, table.rows);
+    const ReceiverTrack positions(table.origin, table.facts.first_epoch, table.rows);
     const std::int64_t first_ns = head.first_epoch.nanoseconds();
-    note_place(set_places(record, first_ns, positions), result.head.notes);
+    note_receiver(set_receiver_positions(record, first_ns, positions), result.head.notes);
     PhaseScreening screening = screen_phases(record, config);
     list_findings(record, screening, result.head);
     result.phases = std::make_shared<const JudgedPhases>(

@@ -34,37 +34,23 @@ ScreenedTable first_look(const ScreenedTable& screened, const ScreenConfig& conf
     return table;
 }
 
-/// The noise of one group of axes, and its findings on the fix types.
-struct EstimatedNoise {
-    ScreeningNoise noise;
-    std::vector<FixTypeErrors> kinds;
-};
-
-template <int Axes>
-EstimatedNoise estimate_noise(const ScreenedTable& look, const ScreenConfig& config) {
-    EstimatedNoise estimated{estimate_screening_noise<Axes>(look, config), {}};
-    estimated.kinds = compare_fix_types<Axes>(look, estimated.noise);
-    return estimated;
-}
-
 ScreeningNoises estimate_noises(const ScreenedTable& look, const ScreenConfig& config,
                                 ScreeningBasis& basis) {
-    EstimatedNoise horizontal;
-    std::optional<EstimatedNoise> vertical;
-    do_together([&] { horizontal = estimate_noise<2>(look, config); },
-                [&] {
-                    if (look.facts.vertical_measured) vertical = estimate_noise<1>(look, config);
-                });
     ScreeningNoises noises;
-    noises.horizontal = horizontal.noise;
-    if (vertical) noises.vertical = vertical->noise;
-    const EstimatedNoise* const second = vertical ? &*vertical : nullptr;
-    for (const EstimatedNoise* const one :
-         {static_cast<const EstimatedNoise*>(&horizontal), second}) {
-        if (one == nullptr) continue;
-        basis.models.push_back(one->noise.summary);
-        basis.fix_types.insert(basis.fix_types.end(), one->kinds.begin(), one->kinds.end());
-    }
+    std::vector<FixTypeErrors> of_heights;
+    do_together(
+        [&] {
+            noises.horizontal = estimate_screening_noise<2>(look, config);
+            basis.fix_types = compare_fix_types<2>(look, noises.horizontal);
+        },
+        [&] {
+            if (!look.facts.vertical_measured) return;
+            noises.vertical = estimate_screening_noise<1>(look, config);
+            of_heights = compare_fix_types<1>(look, *noises.vertical);
+        });
+    basis.models = {noises.horizontal.summary};
+    if (noises.vertical) basis.models.push_back(noises.vertical->summary);
+    basis.fix_types.insert(basis.fix_types.end(), of_heights.begin(), of_heights.end());
     noises.horizontal_factors = kind_factors(basis, TestedAxes::horizontal);
     noises.vertical_factors = kind_factors(basis, TestedAxes::vertical);
     return noises;
@@ -77,10 +63,21 @@ struct AdaptedArcs {
     std::vector<ArcDecisions> decisions;
 };
 
+/// The plan is copied, because it caches values and the two groups of axes are tested in parallel.
+template <int Axes>
+AdaptedArcs<Axes> adapt_arcs(const ScreenedTable& screened, const EstimationModel& model,
+                             const std::map<FixType, double>& factors, const TestPlan plan,
+                             const ScreenConfig& config) {
+    AdaptedArcs<Axes> adapted{.arcs = tested_arcs<Axes>(screened, model, factors), .decisions = {}};
+    for (const Arc<Axes>& arc : adapted.arcs)
+        adapted.decisions.push_back(adapt<Axes>(arc.epochs, model, plan, config.section_epochs));
+    return adapted;
+}
+
 template <int Axes>
 void mark_arcs(ScreenedTable& screened, const AdaptedArcs<Axes>& adapted, bool on_the_ground,
                ScreeningBasis& basis) {
-    constexpr TestedAxes axes = Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal;
+    constexpr TestedAxes axes = tested_axes<Axes>;
     for (std::size_t a = 0; a < adapted.arcs.size(); ++a) {
         const ArcDecisions& decisions = adapted.decisions[a];
         basis.passes = std::max(basis.passes, decisions.passes);
@@ -97,25 +94,18 @@ void mark_arcs(ScreenedTable& screened, const AdaptedArcs<Axes>& adapted, bool o
 
 void test_positions(ScreenedTable& screened, const ScreeningNoises& noises, const TestPlan& plan,
                     const ScreenConfig& config, ScreeningBasis& basis) {
-    // Both groups of axes are tested on the epochs that passed their own checks. Each has its own
-    // copy of the plan, because the plan caches values.
+    // Both groups of axes are tested on the epochs that passed their own checks.
     AdaptedArcs<2> horizontal;
     AdaptedArcs<1> vertical;
     do_together(
-        [&, plan = plan] {
-            const EstimationModel& model = noises.horizontal.model;
-            horizontal.arcs = tested_arcs<2>(screened, model, noises.horizontal_factors);
-            for (const Arc<2>& arc : horizontal.arcs)
-                horizontal.decisions.push_back(
-                    adapt<2>(arc.epochs, model, plan, config.section_epochs));
+        [&] {
+            horizontal = adapt_arcs<2>(screened, noises.horizontal.model, noises.horizontal_factors,
+                                       plan, config);
         },
-        [&, plan = plan] {
-            if (!noises.vertical) return;
-            const EstimationModel& model = noises.vertical->model;
-            vertical.arcs = tested_arcs<1>(screened, model, noises.vertical_factors);
-            for (const Arc<1>& arc : vertical.arcs)
-                vertical.decisions.push_back(
-                    adapt<1>(arc.epochs, model, plan, config.section_epochs));
+        [&] {
+            if (noises.vertical)
+                vertical = adapt_arcs<1>(screened, noises.vertical->model, noises.vertical_factors,
+                                         plan, config);
         });
     // No craft on the ground goes up or down faster. Craft that do have vertical speed in their
     // score.
@@ -178,10 +168,10 @@ bool handed_in_contradict(ScreenedTable& screened, const Motion& motion, const H
     const std::vector<TimedPosition<2>> positions = timed_positions<2>(screened.rows);
     for (const WitnessEntry& entry : witness_roster()) {
         if (!entry.screening) continue;
-        const auto heard = handed_in_witness(entry, given, positions, track,
-                                             check.noises.horizontal.model.motion.jerk_density);
-        if (heard && !heard->is_copy &&
-            contradicts(screened, {.kind = entry.kind, .witness = heard->motion.get()}, check,
+        const auto witness = handed_in_witness(entry, given, positions, track,
+                                               check.noises.horizontal.model.motion.jerk_density);
+        if (witness && !witness->is_copy &&
+            contradicts(screened, {.kind = entry.kind, .witness = witness->motion.get()}, check,
                         basis))
             return true;
     }
@@ -202,17 +192,17 @@ bool limits_are_broken(ScreenedTable& screened, const Motion& motion, const ArcC
 /// Asks the witnesses in turn. Their marks change the motion, so that they are asked again, for a
 /// few rounds. The physical limits hold for every epoch that is left, however many rounds it takes.
 Motion check_witnesses_and_limits(ScreenedTable& screened, const ArcCheck& check,
-                                  const ScreeningWitnesses& beside, ScreeningBasis& basis) {
+                                  const ScreeningWitnesses& witnesses, ScreeningBasis& basis) {
     constexpr int rounds = 4;
     const auto examined = [&] {
         return examine_arcs(screened, check.noises, check.plan, check.config.section_epochs);
     };
     for (int round = 0; round < rounds; ++round) {
         finish_arcs(screened, check.config);
-        if (phases_contradict(screened, beside.phases, check, basis)) continue;
+        if (phases_contradict(screened, witnesses.phases, check, basis)) continue;
         Motion motion = examined();
         if (velocities_contradict(screened, motion, check, basis) ||
-            handed_in_contradict(screened, motion, beside.handed_in, check, basis) ||
+            handed_in_contradict(screened, motion, witnesses.handed_in, check, basis) ||
             limits_are_broken(screened, motion, check, basis))
             continue;
         return motion;
@@ -251,12 +241,12 @@ void add_changes_of_place(const std::vector<ScreenedEpoch>& rows, const FrameOri
 /// What there is to test. A witness is compared over 3 s and 10 s, and between neighbouring epochs
 /// where it is precise enough; recorded velocities also with the smoothed motion.
 TestedData tested_data(const EnuTable& table, const ScreenConfig& config,
-                       const ScreeningWitnesses& beside, bool second_receiver) {
+                       const ScreeningWitnesses& witnesses, bool second_receiver) {
     const bool heights = table.facts.vertical_measured;
     const PhysicalLimits& limits = config.limits;
     TestedData data{.position_series = heights ? 2 : 1,
                     .baseline_series = second_receiver ? 2 : 0,
-                    .comparisons = (heights && beside.ground != nullptr) +
+                    .comparisons = (heights && witnesses.ground != nullptr) +
                                    (limits.acceleration_m_s2 > 0.0) + (limits.jerk_m_s3 > 0.0) +
                                    (heights && limits.vertical_rate_m_s > 0.0)};
     const auto recorded = [&](bool upright) {
@@ -271,8 +261,8 @@ TestedData tested_data(const EnuTable& table, const ScreenConfig& config,
             entry.kind == WitnessKind::receiver     ? second_receiver
             : entry.kind == WitnessKind::velocities ? velocities
             : entry.kind == WitnessKind::phases
-                ? beside.phases != nullptr
-                : beside.handed_in.series.contains(std::string(to_text(entry.kind)));
+                ? witnesses.phases != nullptr
+                : witnesses.handed_in.series.contains(std::string(to_text(entry.kind)));
         if (entry.screening && is_there)
             data.comparisons += 2 + (entry.screening->single_epochs ? 1 : 0) +
                                 (entry.kind == WitnessKind::velocities ? 1 : 0);
@@ -281,7 +271,7 @@ TestedData tested_data(const EnuTable& table, const ScreenConfig& config,
 }
 
 ReceiverScreening screen_alone(const EnuTable& table, const ScreenConfig& config,
-                               const ScreeningWitnesses& beside, bool second_receiver) {
+                               const ScreeningWitnesses& witnesses, bool second_receiver) {
     ScreenedTable screened;
     screened.facts = table.facts;
     screened.origin = table.origin;
@@ -304,7 +294,7 @@ ReceiverScreening screen_alone(const EnuTable& table, const ScreenConfig& config
     number_arcs(screened.rows, seams, nominal_interval_s, config);
     TestPlan plan(config.family_false_alarm_rate,
                   std::max<std::int64_t>(1, summarise(screened.rows).usable) *
-                      tests_of_an_epoch(tested_data(table, config, beside, second_receiver),
+                      tests_of_an_epoch(tested_data(table, config, witnesses, second_receiver),
                                         config.burst_epochs_max),
                   config.power, config.burst_epochs_max, config.limits.acceleration_m_s2);
     ScreeningBasis basis;
@@ -332,9 +322,10 @@ ReceiverScreening screen_alone(const EnuTable& table, const ScreenConfig& config
     test_positions(screened, noises, plan, config, basis);
     basis.speeds = screen_speeds(screened.rows, plan, noises.horizontal.model.motion.jerk_density,
                                  config, nominal_interval_s);
-    if (beside.ground != nullptr) basis.surface = check_surface(screened, *beside.ground, plan);
+    if (witnesses.ground != nullptr)
+        basis.surface = check_surface(screened, *witnesses.ground, plan);
     Motion motion = check_witnesses_and_limits(
-        screened, {.noises = noises, .plan = plan, .config = config}, beside, basis);
+        screened, {.noises = noises, .plan = plan, .config = config}, witnesses, basis);
     screened.basis = std::move(basis);
     return {.table = std::move(screened),
             .noises = std::move(noises),
@@ -388,17 +379,17 @@ ScreenConfig screen_config(const Attempt& attempt) {
 }
 
 ScreenedTable screen(const EnuTable& table, const ScreenConfig& config,
-                     const ScreeningWitnesses& beside) {
-    return screen_alone(table, config, beside, false).table;
+                     const ScreeningWitnesses& witnesses) {
+    return screen_alone(table, config, witnesses, false).table;
 }
 
 std::vector<ScreenedTable> screen_receivers(std::span<const EnuTable> tables,
                                             const ScreenConfig& config,
-                                            std::span<const ScreeningWitnesses> beside) {
+                                            std::span<const ScreeningWitnesses> witnesses) {
     std::vector<ReceiverScreening> receivers;
     for (std::size_t i = 0; i < tables.size(); ++i)
         receivers.push_back(screen_alone(tables[i], config,
-                                         beside.empty() ? ScreeningWitnesses{} : beside[i],
+                                         witnesses.empty() ? ScreeningWitnesses{} : witnesses[i],
                                          tables.size() > 1));
     if (receivers.size() > 1) {
         ReceiverScreening &first = receivers[0], &second = receivers[1];

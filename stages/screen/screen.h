@@ -64,7 +64,7 @@ ScreenConfig screen_config(const Attempt& attempt);
 /// the time, where a covariance of the estimate stops being positive definite by more than
 /// rounding; and where the surface is another one.
 ScreenedTable screen(const EnuTable& table, const ScreenConfig& config,
-                     const ScreeningWitnesses& beside = {});
+                     const ScreeningWitnesses& witnesses = {});
 
 /// Screens the tables of all receivers of an attempt, in their order: each on its own, then the
 /// first two against each other. That comparison covers the vector between the antennas
@@ -72,6 +72,6 @@ ScreenedTable screen(const EnuTable& table, const ScreenConfig& config,
 /// one element for each table, or is empty if there is nothing.
 std::vector<ScreenedTable> screen_receivers(std::span<const EnuTable> tables,
                                             const ScreenConfig& config,
-                                            std::span<const ScreeningWitnesses> beside = {});
+                                            std::span<const ScreeningWitnesses> witnesses = {});
 
 }  // namespace runcert

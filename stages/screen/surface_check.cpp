@@ -31,7 +31,7 @@ struct HeightAbove {
 
 struct HeightsAbove {
     std::vector<HeightAbove> over;
-    std::vector<Eigen::Vector2d> beside;
+    std::vector<Eigen::Vector2d> outside;
 };
 
 HeightsAbove heights_above(ScreenedTable& screened, const GroundBelow& ground) {
@@ -44,7 +44,7 @@ HeightsAbove heights_above(ScreenedTable& screened, const GroundBelow& ground) {
             in_frame_of_origin(screened.origin, row.time, {*row.east_m, *row.north_m, *row.up_m});
         const auto below = ground.surface.at(position.head<2>());
         if (!below) {
-            found.beside.emplace_back(position.head<2>());
+            found.outside.emplace_back(position.head<2>());
             continue;
         }
         const Eigen::Vector3d& normal = below->normal;
@@ -63,11 +63,11 @@ HeightsAbove heights_above(ScreenedTable& screened, const GroundBelow& ground) {
 [[noreturn]] void refuse_elsewhere(const HeightsAbove& found, const GroundBelow& ground) {
     double nearest_m = std::numeric_limits<double>::infinity();
     for (const Eigen::Vector3d& vertex : ground.surface.mesh().vertices)
-        nearest_m = std::min(nearest_m, (vertex.head<2>() - found.beside.front()).norm());
+        nearest_m = std::min(nearest_m, (vertex.head<2>() - found.outside.front()).norm());
     throw Failure(ground.place,
                   fmt::format("none of the {} usable positions lies over the surface: its nearest "
                               "vertex is {} from the first of them",
-                              found.beside.size(),
+                              found.outside.size(),
                               nearest_m < 1000.0 ? format_fixed(nearest_m, 0) + " m"
                                                  : format_fixed(nearest_m * 1e-3, 1) + " km"),
                   "Correct surface: frame, axes, unit or file; or the attempt's origin, where the "
@@ -144,11 +144,11 @@ std::optional<SurfaceComparison> check_surface(ScreenedTable& screened, const Gr
                                                const TestPlan& plan) {
     const HeightsAbove heights = heights_above(screened, ground);
     if (heights.over.empty()) {
-        if (!heights.beside.empty()) refuse_elsewhere(heights, ground);
+        if (!heights.outside.empty()) refuse_elsewhere(heights, ground);
         return std::nullopt;
     }
     SurfaceComparison found{.compared = std::ssize(heights.over),
-                            .outside = std::ssize(heights.beside),
+                            .outside = std::ssize(heights.outside),
                             .antenna_height_m = ground.antenna_height_m,
                             .offset_m = median_of(heights.over, &HeightAbove::distance_m),
                             .sigma_offset_m = median_of(heights.over, &HeightAbove::sigma_m)};

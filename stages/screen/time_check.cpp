@@ -10,7 +10,7 @@
 
 #include "core/statistics.h"
 #include "schemas/enu/measured_position.h"
-#include "witness/going_on.h"
+#include "witness/continuity.h"
 
 namespace runcert {
 namespace {
@@ -69,8 +69,8 @@ double set_interval(const Rhythm& rhythm) {
     const double offered_s = in_hertz ? 1.0 / whole : whole;
     // The next interval that receivers offer is 1 / whole away. In between, the set interval is
     // undetermined.
-    const double told = std::min(largest_clock_error, 0.25 / whole);
-    return std::abs(mean_s / offered_s - 1.0) <= told ? offered_s : rhythm.nominal_s;
+    const double tolerance = std::min(largest_clock_error, 0.25 / whole);
+    return std::abs(mean_s / offered_s - 1.0) <= tolerance ? offered_s : rhythm.nominal_s;
 }
 
 /// Rates in common use on receivers, Hz.

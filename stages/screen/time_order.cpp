@@ -11,7 +11,7 @@
 #include <unordered_map>
 #include <utility>
 
-#include "witness/going_on.h"
+#include "witness/continuity.h"
 
 namespace runcert {
 namespace {
@@ -158,7 +158,7 @@ class TimeJudgement {
     }
 
     /// The kept block next to another in the recording, before or after it.
-    std::optional<std::size_t> kept_beside(std::size_t b, bool before) const {
+    std::optional<std::size_t> neighbour_in_sequence(std::size_t b, bool before) const {
         if (!before) {
             const auto next = recorded_.upper_bound(b);
             return next == recorded_.end() ? std::nullopt : std::optional(*next);
@@ -176,16 +176,16 @@ class TimeJudgement {
 
     /// Whether the craft's motion continues from one block to another within `step_s`.
     bool leads_to(std::size_t from, std::size_t to, double step_s) const {
-        return goes_on({.from = &rows_[blocks_[from].last],
-                        .to = &rows_[blocks_[to].first],
-                        .before = velocity_at(from, true),
-                        .after = velocity_at(to, false)},
-                       step_s);
+        return continues({.from = &rows_[blocks_[from].last],
+                          .to = &rows_[blocks_[to].first],
+                          .before = velocity_at(from, true),
+                          .after = velocity_at(to, false)},
+                         step_s);
     }
 
     /// Whether a block that is not kept was recorded in place, between two that leave room for it.
     bool belongs_between(std::size_t b) const {
-        const auto before = kept_beside(b, true), after = kept_beside(b, false);
+        const auto before = neighbour_in_sequence(b, true), after = neighbour_in_sequence(b, false);
         if (!before || !after) return false;
         const auto next = std::next(kept_.find(stamp(blocks_[*before].first)));
         if (next == kept_.end() || next->second != *after) return false;
@@ -233,10 +233,10 @@ class TimeJudgement {
     }
 
     void leave_out_stray(std::size_t b) {
-        const auto before = kept_beside(b, true), after = kept_beside(b, false);
-        const bool goes_on_here = (before && leads_to(*before, b, options_.interval_s)) ||
-                                  (after && leads_to(b, *after, options_.interval_s));
-        if (!goes_on_here) return;
+        const auto before = neighbour_in_sequence(b, true), after = neighbour_in_sequence(b, false);
+        const bool continues_here = (before && leads_to(*before, b, options_.interval_s)) ||
+                                    (after && leads_to(b, *after, options_.interval_s));
+        if (!continues_here) return;
         blocks_[b].kept = false;
         kept_.erase(stamp(blocks_[b].first));
         recorded_.erase(b);
@@ -252,16 +252,17 @@ class TimeJudgement {
             if (!kept[row] && !is_repeated(row)) order_.standing[row] = TimeStanding::out_of_order;
         // A row with the time of the kept one next to it, but another position. Only the kept one
         // tells when it was recorded.
-        const EnuEpoch* beside = nullptr;
+        const EnuEpoch* neighbour = nullptr;
         const auto compare = [&](std::size_t row) {
             if (kept[row])
-                beside = &rows_[row];
-            else if (beside != nullptr && rows_[row].time == beside->time && !is_repeated(row))
+                neighbour = &rows_[row];
+            else if (neighbour != nullptr && rows_[row].time == neighbour->time &&
+                     !is_repeated(row))
                 order_.standing[row] = TimeStanding::same_time;
         };
         for (std::size_t row = 0; row < rows_.size(); ++row)
             compare(row);
-        beside = nullptr;
+        neighbour = nullptr;
         for (std::size_t row = rows_.size(); row-- > 0;)
             compare(row);
     }
@@ -304,7 +305,7 @@ class TimeJudgement {
         std::optional<std::size_t> before;
         for (const auto& [start_ns, b] : kept_) {
             if (before) {
-                const auto recorded = kept_beside(b, true);
+                const auto recorded = neighbour_in_sequence(b, true);
                 order_.seam[blocks_[b].first] =
                     recorded != before &&
                     !leads_to(*before, b, step_s(blocks_[*before].last, blocks_[b].first));

@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 
 #include "core/statistics.h"
 #include "core/uncertainty.h"
 #include "schemas/enu/measured_position.h"
-#include "stages/screen/velocity_check_delays.h"
 #include "stages/screen/witness_check.h"
+#include "witness/arcs.h"
 #include "witness/copies.h"
 #include "witness/recorded_velocities.h"
 #include "witness/velocity_delay.h"
@@ -156,7 +157,7 @@ std::optional<VelocityErrors> errors_of(const VelocityWitness<Axes>& witness,
         model.stated_m_s = Axes == 1 ? upwards * scale_m_s : scale_m_s;
     if (!model.is_known()) return std::nullopt;
     VelocityErrors errors;
-    errors.axes = Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal;
+    errors.axes = tested_axes<Axes>;
     errors.speed_only = Axes == 2 && is_speed_only(rows);
     errors.delay_s = model.delay_s;
     errors.sigma_delay_s = model.sigma_delay_s;
@@ -164,12 +165,92 @@ std::optional<VelocityErrors> errors_of(const VelocityWitness<Axes>& witness,
     if (model.stated_m_s) errors.stated_m_s = *model.stated_m_s;
     errors.shown_m_s = model.shown_m_s;
     errors.correlation_time_s = model.correlation_time_s;
-    for (const DisplacementSpread& one : estimated.spreads)
-        errors.spreads.push_back({.span_s = one.span_s,
-                                  .spans = one.spans,
-                                  .sd_m = one.sd_m,
-                                  .sd_upper_m = one.sd_upper_m});
+    errors.spreads.assign(estimated.spreads.begin(), estimated.spreads.end());
     return errors;
+}
+
+/// Whether the motion has a similar speed within a second and a half of a row.
+bool motion_has(const std::vector<ScreenedEpoch>& rows, const Motion& motion, std::size_t at,
+                double speed_m_s) {
+    constexpr double near_s = 1.5;
+    constexpr double largest_error_m_s = 1.0;  // twice what receivers showed
+    constexpr double coverage = 3.0;
+    double least = std::numeric_limits<double>::infinity(), most = 0.0;
+    const auto add_epoch = [&](std::size_t i) {
+        if (std::abs(rows[i].time.seconds() - rows[at].time.seconds()) > near_s) return false;
+        if (!rows[i].arc || !motion[i]) return true;
+        const double by_positions = motion[i]->velocity.norm();
+        const double error =
+            largest_error_m_s + coverage * std::sqrt(motion[i]->velocity_covariance.trace());
+        least = std::min(least, by_positions - error);
+        most = std::max(most, by_positions + error);
+        return true;
+    };
+    for (std::size_t i = at; i < rows.size() && add_epoch(i); ++i) {
+    }
+    for (std::size_t i = at; i-- > 0 && add_epoch(i);) {
+    }
+    return speed_m_s >= least && speed_m_s <= most;
+}
+
+/// The delays along the recording of the recorded speeds, with or without a course, relative to the
+/// smoothed motion (`velocities::delays_along`). Each says whether it is beyond `delay_max_s`, or
+/// one second if that is longer. `motion` has one element for each row.
+std::vector<VelocityDelay> velocity_delays(const std::vector<ScreenedEpoch>& rows,
+                                           const Motion& motion, double delay_max_s) {
+    std::vector<SpeedPair> pairs;
+    std::vector<std::int64_t> epochs;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        const ScreenedEpoch& row = rows[i];
+        if (is_out_of_time(row)) continue;
+        SpeedPair& pair = pairs.emplace_back();
+        pair.time_s = row.time.seconds();
+        if (const auto speed = recorded_speed(row, true, false))
+            pair.recorded_m_s = speed->speed_m_s;
+        if (row.arc && motion[i]) pair.by_positions_m_s = motion[i]->velocity.norm();
+        epochs.push_back(row.epoch);
+    }
+    // However small the delay to be removed, one of up to a second does not count as another
+    // moment.
+    const double limit_s = std::max(delay_max_s, 1.0);
+    std::vector<VelocityDelay> delays;
+    for (const DelayStretch& one : delays_along(pairs, limit_s))
+        delays.push_back({.first_epoch = epochs[one.first],
+                          .last_epoch = epochs[one.last],
+                          .delay_s = one.delay_s,
+                          .sigma_s = one.sigma_s,
+                          .difference_m_s = one.difference_m_s,
+                          .difference_within_m_s = one.difference_within_m_s,
+                          .beyond = one.is_beyond(limit_s)});
+    return delays;
+}
+
+/// Fraction of the rows with a recorded velocity that are chosen. 0 if there are none.
+double share_of(const std::vector<ScreenedEpoch>& rows, const std::vector<bool>& chosen) {
+    double all = 0.0, those = 0.0;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        if (!recorded_speed(rows[i], true, false)) continue;
+        all += 1.0;
+        those += chosen[i] ? 1.0 : 0.0;
+    }
+    return all > 0.0 ? those / all : 0.0;
+}
+
+/// Fraction of the rows with a recorded velocity that contradict the motion. Rows of other moments
+/// and rows marked for their velocity do. So do rows whose speed lies outside the range of the
+/// smoothed speeds within 1.5 s. That range is widened by 3 standard deviations and by twice what
+/// receivers showed. Rows without known motion count only if they contradict it.
+double contradicted_share(const std::vector<ScreenedEpoch>& rows, const Motion& motion,
+                          const std::vector<bool>& of_other_moments) {
+    double all = 0.0, contradicted = 0.0;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        const auto speed = recorded_speed(rows[i], true, false);
+        const bool found = of_other_moments[i] || rows[i].reason == Reason::velocity;
+        if (!speed || !(found || (rows[i].arc && motion[i]))) continue;
+        all += 1.0;
+        contradicted += found || !motion_has(rows, motion, i, speed->speed_m_s) ? 1.0 : 0.0;
+    }
+    return all > 0.0 ? contradicted / all : 0.0;
 }
 
 struct Ratio {

@@ -80,12 +80,12 @@ IntervalDifferences interval_differences(const UsablePositions& usable,
         if (positions[k - 1].stretch != positions[k].stretch ||
             !holds(stretches[k], positions[k - 1].time_s, positions[k].time_s, test.lag_s))
             continue;
-        const auto moved = witness.between(positions[k - 1].time_s, positions[k].time_s);
+        const auto witnessed = witness.between(positions[k - 1].time_s, positions[k].time_s);
         const std::optional<Displacement> by = by_positions(k);
-        if (moved && by)
+        if (witnessed && by)
             differences.push_back({.last = k,
-                                   .value_m = by->value_m - moved->displacement_m,
-                                   .known_m2 = by->covariance_m2 + moved->covariance_m2});
+                                   .value_m = by->value_m - witnessed->displacement_m,
+                                   .known_m2 = by->covariance_m2 + witnessed->covariance_m2});
     }
     return differences;
 }
@@ -138,9 +138,9 @@ void for_contradicted(const IntervalDifferences& differences, double threshold,
             length = 0;
             continue;
         }
-        const bool goes_on = length > 0 && follow(differences[i - 1], one) &&
-                             (differences[i - 1].value_m.dot(one.value_m) < 0.0) == opposite;
-        length = goes_on ? length + 1 : 1;
+        const bool continues = length > 0 && follow(differences[i - 1], one) &&
+                               (differences[i - 1].value_m.dot(one.value_m) < 0.0) == opposite;
+        length = continues ? length + 1 : 1;
         if (length < consecutive) continue;
         // All of the first run, then one more at a time.
         for (std::size_t k = length == consecutive ? i + 2 - consecutive : i; k <= i; ++k)
@@ -205,8 +205,8 @@ std::int64_t mark_intervals(std::vector<ScreenedEpoch>& rows, const UsablePositi
     IntervalDifferences measured =
         interval_differences(usable, test, [&](std::size_t k) -> std::optional<Displacement> {
             const TimedPosition<2>&begin = positions[k - 1], &end = positions[k];
-            const Vector2d way = end.position - begin.position;
-            if (way.norm() < least_m_s * (end.time_s - begin.time_s)) return std::nullopt;
+            const Vector2d by_positions = end.position - begin.position;
+            if (by_positions.norm() < least_m_s * (end.time_s - begin.time_s)) return std::nullopt;
             const double stated_m2 = begin.sigma_m * begin.sigma_m + end.sigma_m * end.sigma_m;
             const double typical_m2 = 2.0 * typical_m * typical_m;
             // In the measure in which typical positions show what they state.
@@ -214,7 +214,8 @@ std::int64_t mark_intervals(std::vector<ScreenedEpoch>& rows, const UsablePositi
                 test.adds_stated || typical_m2 == 0.0
                     ? stated_m2
                     : spread.sd_upper_m * spread.sd_upper_m * std::max(1.0, stated_m2 / typical_m2);
-            return Displacement{.value_m = way, .covariance_m2 = known_m2 * Matrix2d::Identity()};
+            return Displacement{.value_m = by_positions,
+                                .covariance_m2 = known_m2 * Matrix2d::Identity()};
         });
     if (measured.empty()) return 0;
     standardise(measured, spread.sd_upper_m);
@@ -258,10 +259,7 @@ DisplacementComparison check_displacements(std::vector<ScreenedEpoch>& rows,
     for (const double span_s : spans_s) {
         const auto spread = displacement_spread<2>(*test.witness, usable.positions, span_s);
         if (!spread) continue;
-        comparison.spreads.push_back({.span_s = spread->span_s,
-                                      .spans = spread->spans,
-                                      .sd_m = spread->sd_m,
-                                      .sd_upper_m = spread->sd_upper_m});
+        comparison.spreads.push_back(*spread);
         if (comparison.rejected > 0) continue;
         const auto spans = contradicted_spans(
             usable.positions, *test.witness,

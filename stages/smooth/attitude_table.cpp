@@ -8,9 +8,7 @@
 
 #include "core/figures.h"
 #include "core/text.h"
-#include "stages/smooth/antenna_heading.h"
-#include "stages/smooth/arm_estimate.h"
-#include "stages/smooth/mount_judgement.h"
+#include "stages/smooth/imu_judgements.h"
 
 namespace runcert {
 namespace {

@@ -12,28 +12,28 @@ namespace {
 
 constexpr int decimals = 6;
 
-double kept(double value) {
+double six_digits(double value) {
     return rounded(value, decimals);
 }
 
 NoiseParameter parameter(const FittedParameter& fitted) {
-    NoiseParameter result{.value = kept(fitted.value),
+    NoiseParameter result{.value = six_digits(fitted.value),
                           .relative_uncertainty = std::nullopt,
                           .at_bound = fitted.at_bound};
     if (std::isfinite(fitted.relative_uncertainty))
-        result.relative_uncertainty = kept(fitted.relative_uncertainty);
+        result.relative_uncertainty = six_digits(fitted.relative_uncertainty);
     return result;
 }
 
 NoiseModelShare share(const WeightedModel& one) {
-    NoiseModelShare result{.weight = kept(one.weight),
-                           .jerk_density = kept(one.model.motion.jerk_density),
+    NoiseModelShare result{.weight = six_digits(one.weight),
+                           .jerk_density = six_digits(one.model.motion.jerk_density),
                            .acceleration_time_s = std::nullopt,
-                           .measurement_scale = kept(one.model.measurement_scale),
-                           .error_sigma_m = kept(one.model.error.initial_sigma_m),
-                           .error_tau_s = kept(one.model.error.tau_s)};
+                           .measurement_scale = six_digits(one.model.measurement_scale),
+                           .error_sigma_m = six_digits(one.model.error.initial_sigma_m),
+                           .error_tau_s = six_digits(one.model.error.tau_s)};
     if (std::isfinite(one.model.motion.acceleration_time_s))
-        result.acceleration_time_s = kept(one.model.motion.acceleration_time_s);
+        result.acceleration_time_s = six_digits(one.model.motion.acceleration_time_s);
     return result;
 }
 
@@ -52,7 +52,7 @@ void describe_stated(const std::vector<Arc<Axes>>& arcs, NoiseSummary& noise) {
             ++noise.epochs;
         }
     if (noise.epochs > 0)
-        noise.stated_sigma_m = kept(std::sqrt(sum / static_cast<double>(noise.epochs)));
+        noise.stated_sigma_m = six_digits(std::sqrt(sum / static_cast<double>(noise.epochs)));
 }
 
 template <int Axes>
@@ -64,7 +64,7 @@ std::vector<std::span<const ArcEpoch<Axes>>> spans_of(const std::vector<Arc<Axes
     return spans;
 }
 
-void take_over(const NoiseFit& fit, NoiseSummary& noise) {
+void set_noise(const NoiseFit& fit, NoiseSummary& noise) {
     noise.status = NoiseBasis::fitted;
     noise.jerk_density = parameter(fit.jerk_density);
     noise.measurement_scale = parameter(fit.measurement_scale);
@@ -78,7 +78,7 @@ void take_over(const NoiseFit& fit, NoiseSummary& noise) {
         noise.error_tau_s = parameter(fit.error_tau);
         noise.error_sigma_m = parameter(fit.error_sigma);
     }
-    noise.white_scale = kept(fit.white_scale);
+    noise.white_scale = six_digits(fit.white_scale);
     noise.passes = rounded(fit.passes, 1);
     noise.converged = fit.converged;
     for (const WeightedModel& one : fit.posterior)
@@ -92,10 +92,10 @@ void scale_stated(const std::vector<Arc<Axes>>& arcs, NoiseSummary& noise) {
     const InnovationSums sums = innovation_sums<Axes>(spans, model_of(noise));
     if (sums.values == 0) return;
     const double factor = std::sqrt(sums.statistic / static_cast<double>(sums.values));
-    noise.white_scale = kept(factor);
-    const double applied = kept(std::max(1.0, factor));
+    noise.white_scale = six_digits(factor);
+    const double applied = six_digits(std::max(1.0, factor));
     noise.measurement_scale.value = applied;
-    noise.jerk_density.value = kept(noise.jerk_density.value * applied);
+    noise.jerk_density.value = six_digits(noise.jerk_density.value * applied);
 }
 
 /// Sets the jerk density along the recording, in units of that of the whole, for fitting the noise.
@@ -129,7 +129,7 @@ NoiseSummary estimate_noise(std::vector<Arc<Axes>>& arcs, const SmoothConfig& co
         follow_motion(arcs);
         const NoiseFit fit = fit_noise<Axes>(spans_of(arcs), config.fit);
         if (fit.status == NoiseFit::Status::fitted) {
-            take_over(fit, noise);
+            set_noise(fit, noise);
             return noise;
         }
         forget_motion(arcs);
@@ -150,7 +150,7 @@ void set_jerk_densities(std::vector<Arc<Axes>>& arcs, const NoiseSummary& noise,
     for (Arc<Axes>& arc : arcs)
         for (ArcEpoch<Axes>& epoch : arc.epochs)
             epoch.jerk_factor =
-                kept(std::max(of_class, fitted * std::max(1.0, epoch.jerk_factor))) / fitted;
+                six_digits(std::max(of_class, fitted * std::max(1.0, epoch.jerk_factor))) / fitted;
 }
 
 template void set_jerk_densities<1>(std::vector<Arc<1>>&, const NoiseSummary&, const SmoothConfig&);

@@ -200,8 +200,8 @@ RobustSolution<Axes> solve_robust(std::span<const ArcEpoch<Axes>> arc, const Est
     solution.weights.resize(arc.size());
     const auto passes = results_of(std::ssize(sections), threads_allowed(), [&](std::int64_t i) {
         const ArcSection& section = sections[static_cast<std::size_t>(i)];
-        const std::size_t from = section.taken_first;
-        const std::size_t count = section.taken_end - from;
+        const std::size_t from = section.used_first;
+        const std::size_t count = section.used_end - from;
         RobustSection<Axes> robust(arc.subspan(from, count), model, scale,
                                    start.subspan(from, count));
         if (!robust.solve(passes_allowed)) return std::int64_t{-1};

@@ -249,10 +249,7 @@ SmoothConfig smooth_config(const Attempt& attempt) {
     const SmoothParameters& parameters = attempt.parameters.smooth;
     SmoothConfig config;
     config.fit_noise = parameters.noise == NoiseChoice::fitted;
-    config.fit.initial_jerk_density = parameters.jerk_density;
-    config.fit.tau_min_s = parameters.error_time_min_s;
-    config.fit.tau_max_s = parameters.error_time_max_s;
-    config.fit.motion = motion_of(parameters.motion_model);
+    config.fit = fit_options(parameters);
     config.robust_scale = parameters.robust_scale;
     config.dhd22_acceleration_sigma_m_s2 = parameters.dhd22_acceleration_sigma;
     return config;

@@ -82,9 +82,9 @@ SmoothedMeans<Axes> smooth_rows(const Arc<Axes>& arc, const EstimationModel& mod
         epochs, [](const ArcEpoch<Axes>& epoch) { return epoch.measurement.has_value(); });
     for (const ArcSection& section : smoothed_sections<Axes>(epochs, model)) {
         const Chain<Axes> chain(
-            epochs.subspan(section.taken_first, section.taken_end - section.taken_first), model);
+            epochs.subspan(section.used_first, section.used_end - section.used_first), model);
         for (std::size_t k = section.first; k < section.end; ++k) {
-            const std::size_t at = k - section.taken_first;
+            const std::size_t at = k - section.used_first;
             smoothed.states[k] = chain.mean(at);
             set_motion(chain, at, rows[arc.rows[k]]);
             if (k == epochs.size() / 2)

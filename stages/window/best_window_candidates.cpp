@@ -32,21 +32,14 @@ WindowSearch over_time(const SummedSeries& series, const WindowCriteria& rule) {
     return search;
 }
 
-WindowSearch over_path(const SummedSeries& series, const WindowCriteria& rule) {
-    const double enough_m = rule.distance_m - path_rounding_m;
-    WindowSearch search;
-    std::size_t last = 0;
-    for (std::size_t first = 0; first < series.size(); ++first) {
-        while (last < series.size() && series.path_m()[last] - series.path_m()[first] < enough_m)
-            ++last;
-        if (last == series.size()) break;
-        const bool longer =
-            series.path_m()[last] - series.path_m()[first] > rule.distance_m + path_rounding_m;
-        if (rule.ends == WindowEnds::epochs || !longer)
-            add(window_between(series, first, last, rule.definition), search);
-    }
-    search.steps += static_cast<std::int64_t>(last);
-    return search;
+/// The sample at which a window over the path ends, which is the first far enough along it. Empty
+/// if there is none, or only one beyond the distance where that counts exactly.
+std::optional<std::size_t> path_end(const SummedSeries& series, std::size_t first, std::size_t last,
+                                    const WindowCriteria& rule) {
+    if (last == series.size()) return std::nullopt;
+    const bool longer =
+        series.path_m()[last] - series.path_m()[first] > rule.distance_m + path_rounding_m;
+    return rule.ends == WindowEnds::epochs || !longer ? std::optional(last) : std::nullopt;
 }
 
 /// The first sample from `last` on whose straight distance from `first` suffices, on up to twice as
@@ -68,14 +61,16 @@ std::optional<std::size_t> far_enough(const SummedSeries& series, std::size_t fi
     return std::nullopt;
 }
 
-WindowSearch over_straight(const SummedSeries& series, const WindowCriteria& rule) {
+WindowSearch over_distance(const SummedSeries& series, const WindowCriteria& rule) {
     const double enough_m = rule.distance_m - path_rounding_m;
+    const bool by_path = rule.definition == SpeedDefinition::path_length;
     WindowSearch search;
     std::size_t last = 0;
     for (std::size_t first = 0; first < series.size(); ++first) {
         while (last < series.size() && series.path_m()[last] - series.path_m()[first] < enough_m)
             ++last;
-        const auto end = far_enough(series, first, last, enough_m, search.steps);
+        const auto end = by_path ? path_end(series, first, last, rule)
+                                 : far_enough(series, first, last, enough_m, search.steps);
         if (end) add(window_between(series, first, *end, rule.definition), search);
     }
     search.steps += static_cast<std::int64_t>(last);
@@ -195,8 +190,7 @@ WindowSearch windows_in(const SummedSeries& series, const WindowCriteria& rule) 
     if (series.size() < 2) return {};
     if (rule.kind == WindowKind::time) return over_time(series, rule);
     if (rule.kind == WindowKind::alpha) return alphas(series, rule);
-    return rule.definition == SpeedDefinition::path_length ? over_path(series, rule)
-                                                           : over_straight(series, rule);
+    return over_distance(series, rule);
 }
 
 }  // namespace runcert

@@ -15,12 +15,12 @@ bool may_bound(const SampleSeries& series, std::size_t sample) {
 
 /// The place of a value on an increasing scale: a step, and the fraction of it. The first or the
 /// last such place where the scale stands still.
-struct Place {
+struct ScalePoint {
     std::size_t before = 0;
     double fraction = 0.0;
 };
 template <class Value>
-Place place_on(const std::vector<Value>& scale, Value value, bool last) {
+ScalePoint locate_on(const std::vector<Value>& scale, Value value, bool last) {
     const auto at =
         last ? std::ranges::upper_bound(scale, value) : std::ranges::lower_bound(scale, value);
     const auto after = std::clamp<std::ptrdiff_t>(at - scale.begin(), 1, std::ssize(scale) - 1);
@@ -29,7 +29,7 @@ Place place_on(const std::vector<Value>& scale, Value value, bool last) {
                        static_cast<double>(scale[k] - scale[k - 1])};
 }
 
-double between(const std::vector<double>& values, Place at) {
+double between(const std::vector<double>& values, ScalePoint at) {
     return values[at.before] + at.fraction * (values[at.before + 1] - values[at.before]);
 }
 
@@ -52,11 +52,11 @@ class OtherEnds {
             return other_ns;
         }
         const double other_m =
-            between(path_m_, place_on(times_ns_, from_ns, true)) + sign * rule_.distance_m;
+            between(path_m_, locate_on(times_ns_, from_ns, true)) + sign * rule_.distance_m;
         if (other_m < -path_rounding_m || other_m > path_m_.back() + path_rounding_m)
             return std::nullopt;
         const auto [k, fraction] =
-            place_on(path_m_, std::clamp(other_m, 0.0, path_m_.back()), !later);
+            locate_on(path_m_, std::clamp(other_m, 0.0, path_m_.back()), !later);
         return times_ns_[k] +
                std::llround(fraction * static_cast<double>(times_ns_[k + 1] - times_ns_[k]));
     }
@@ -114,7 +114,7 @@ SampleSeries with_instants(const SampleSeries& series, const WindowCriteria& rul
     all.erase(std::unique(all.begin(), all.end()), all.end());
     SampleSeries dense;
     for (const std::int64_t time_ns : all) {
-        const Place at = place_on(ends.times_ns(), time_ns, false);
+        const ScalePoint at = locate_on(ends.times_ns(), time_ns, false);
         const std::size_t a = at.before, b = a + 1;
         const std::size_t nearest = at.fraction == 0.0 ? a : b;
         const bool is_sample = at.fraction == 0.0 || at.fraction == 1.0;

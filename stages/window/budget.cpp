@@ -8,26 +8,41 @@
 
 #include "core/angle.h"
 #include "core/geodesy.h"
-#include "stages/window/reliability.h"
 #include "witness/antenna_swing.h"
-#include "witness/going_on.h"
+#include "witness/continuity.h"
 
 namespace runcert {
-BudgetRow bounded_row(std::string symbol, std::string source, double half_width, std::string unit,
-                      double sensitivity, RowScope touches, std::string note) {
-    const double uncertainty = rectangular_uncertainty(half_width);
+
+BudgetRow quantity_row(std::string symbol, std::string source, std::string type,
+                       double standard_uncertainty, std::string unit, double sensitivity,
+                       RowScope touches, std::string note) {
     return {.symbol = std::move(symbol),
             .source = std::move(source),
             .estimate = 0.0,
             .unit = std::move(unit),
-            .standard_uncertainty = uncertainty,
-            .type = "B",
-            .distribution = "rectangular",
+            .standard_uncertainty = standard_uncertainty,
+            .type = std::move(type),
+            .distribution = "normal",
             .degrees_of_freedom = std::nullopt,
             .sensitivity = sensitivity,
-            .contribution_m_s = uncertainty * std::abs(sensitivity),
+            .contribution_m_s = standard_uncertainty * std::abs(sensitivity),
             .touches = touches,
             .note = std::move(note)};
+}
+
+BudgetRow speed_row(std::string symbol, std::string source, std::string type,
+                    double contribution_m_s, RowScope touches, std::string note) {
+    return quantity_row(std::move(symbol), std::move(source), std::move(type), contribution_m_s,
+                        "m / s", 1.0, touches, std::move(note));
+}
+
+BudgetRow bounded_row(std::string symbol, std::string source, double half_width, std::string unit,
+                      double sensitivity, RowScope touches, std::string note) {
+    BudgetRow row =
+        quantity_row(std::move(symbol), std::move(source), "B", rectangular_uncertainty(half_width),
+                     std::move(unit), sensitivity, touches, std::move(note));
+    row.distribution = "rectangular";
+    return row;
 }
 
 namespace {
@@ -57,7 +72,7 @@ std::vector<BudgetRow> position_rows(const BudgetInput& input) {
         (input.vertical ? estimation.vertical.value() : estimation.horizontal).noise;
     const double scale = fit.measurement_scale.value;
     BudgetRow white = speed_row(
-        "w", "white noise of the positions", "A", input.noise.white_m_s, RowScope::source,
+        "w", "white noise of the positions", "A", input.measured.white_m_s, RowScope::source,
         fmt::format("{:.3f} times the stated standard deviations, as the data show", scale));
     white.degrees_of_freedom = degrees_of(fit.measurement_scale);
     rows.push_back(std::move(white));
@@ -65,7 +80,7 @@ std::vector<BudgetRow> position_rows(const BudgetInput& input) {
     const bool fitted = input.bound.decided_by == BoundSource::fitted;
     BudgetRow slow =
         speed_row("b", "time-correlated error of the positions", fitted ? "A" : "B",
-                  input.noise.correlated_m_s, RowScope::slow,
+                  input.measured.correlated_m_s, RowScope::slow,
                   fmt::format("standard deviation {:.4f} m ({}), any correlation time from {:g} s "
                               "to {:g} s",
                               input.bound.sigma_m, to_text(input.bound.decided_by),
@@ -74,13 +89,13 @@ std::vector<BudgetRow> position_rows(const BudgetInput& input) {
     rows.push_back(std::move(slow));
 
     BudgetRow motion = speed_row(
-        "j", "motion of the craft between the measurements", "A", input.noise.motion_m_s,
+        "j", "motion of the craft between the measurements", "A", input.measured.motion_m_s,
         RowScope::source,
         fmt::format("jerk density {:.4f} m s^-2.5 at the window", largest_jerk_density(input)));
     motion.degrees_of_freedom = degrees_of(fit.jerk_density);
     rows.push_back(std::move(motion));
     rows.push_back(bounded_row(
-        "o", "choice of the model of the motion", input.noise.model_m_s, "m / s", 1.0,
+        "o", "choice of the model of the motion", input.measured.model_m_s, "m / s", 1.0,
         RowScope::source,
         "other jerk densities, and the measured positions at the window's ends without a model"));
     return rows;
@@ -127,7 +142,7 @@ BudgetRow time_row(const BudgetInput& input) {
     BudgetRow row = bounded_row(
         "t", "time stamps of the window's ends", half_width_s, "s",
         input.recorded ? input.recorded->changes_m_s2.value_or(0.0)
-                       : -input.noise.speed.speed_m_s / input.duration_s,
+                       : -input.measured.speed.speed_m_s / input.duration_s,
         RowScope::source,
         regular ? std::string("stamps are whole multiples of the interval: what rounding may have "
                               "cut off is the same at both ends")
@@ -140,16 +155,13 @@ BudgetRow time_row(const BudgetInput& input) {
 }
 
 BudgetRow delay_row(const RecordedSource& recorded) {
-    BudgetRow row =
-        speed_row("l", "delay of the recorded speeds behind the positions", "B",
-                  recorded.sigma_delay_s, RowScope::source,
-                  recorded.changes_m_s2 ? "it moves both ends of the window"
-                                        : "the window is of the moments of the speeds, whichever "
-                                          "they are: only a window whose ends are places changes");
+    BudgetRow row = quantity_row(
+        "l", "delay of the recorded speeds behind the positions", "B", recorded.sigma_delay_s, "s",
+        recorded.changes_m_s2.value_or(0.0), RowScope::source,
+        recorded.changes_m_s2 ? "it moves both ends of the window"
+                              : "the window is of the moments of the speeds, whichever "
+                                "they are: only a window whose ends are places changes");
     row.estimate = recorded.delay_s;
-    row.unit = std::string(1, 's');
-    row.sensitivity = recorded.changes_m_s2.value_or(0.0);
-    row.contribution_m_s = row.standard_uncertainty * std::abs(row.sensitivity);
     return row;
 }
 
@@ -159,7 +171,7 @@ BudgetRow clock_row(const BudgetInput& input) {
     const bool unknown = source == "unknown";
     BudgetRow row = bounded_row(
         "k", "rate of the clock that made the time stamps",
-        unknown ? input.config.clock_rate_bound : 0.0, "1", -input.noise.speed.speed_m_s,
+        unknown ? input.config.clock_rate_bound : 0.0, "1", -input.measured.speed.speed_m_s,
         RowScope::window,
         source == "satellites" ? std::string("the satellites' time, as the format has it")
         : source == "attempt"  ? std::string("the satellites' time, as the attempt states")
@@ -188,7 +200,7 @@ BudgetRow resolution_row(const BudgetInput& input) {
 }
 
 BudgetRow plane_row(const BudgetInput& input) {
-    const double speed_m_s = input.noise.speed.speed_m_s;
+    const double speed_m_s = input.measured.speed.speed_m_s;
     const bool georeferenced = input.trajectory.facts.georeferenced;
     double half_width = input.config.plane_scale_bound;
     std::string note =
@@ -218,7 +230,7 @@ std::optional<BudgetRow> height_row(const BudgetInput& input) {
     const double bound_m = input.config.height_bound_m;
     return bounded_row(
         "h", "height of the course, as the attempt states it", bound_m, "m",
-        input.noise.speed.speed_m_s / earth_mean_radius_m, RowScope::window,
+        input.measured.speed.speed_m_s / earth_mean_radius_m, RowScope::window,
         fmt::format("not measured; {:g} m allowed for, by parameter window.height_bound_m",
                     bound_m));
 }
@@ -244,24 +256,18 @@ BudgetRow frame_row(const BudgetInput& input) {
 }
 
 BudgetRow length_row(const SurveyedLength& length, double duration_s) {
-    return {.symbol = "c",
-            .source = "surveyed length of the course",
-            .estimate = length.length_m,
-            .unit = "m",
-            .standard_uncertainty = length.standard_uncertainty_m,
-            .type = "B",
-            .distribution = "normal",
-            .degrees_of_freedom = std::nullopt,
-            .sensitivity = 1.0 / duration_s,
-            .contribution_m_s = length.standard_uncertainty_m / duration_s,
-            .touches = RowScope::window,
-            .note = "as the attempt states it"};
+    BudgetRow row =
+        quantity_row("c", "surveyed length of the course", "B", length.standard_uncertainty_m, "m",
+                     1.0 / duration_s, RowScope::window, "as the attempt states it");
+    row.estimate = length.length_m;
+    row.contribution_m_s = length.standard_uncertainty_m / duration_s;
+    return row;
 }
 
 BudgetRow antenna_row(const BudgetInput& input) {
     if (const auto& motion = input.config.antenna_motion)
         return bounded_row("a", "motion of the antenna against the craft",
-                           swing_bound_m_s(*motion, std::abs(input.noise.speed.speed_m_s),
+                           swing_bound_m_s(*motion, std::abs(input.measured.speed.speed_m_s),
                                            input.duration_s, input.by_path),
                            "m / s", 1.0, RowScope::antenna,
                            fmt::format("antenna {:g} m above the craft, roll of at most {:g} and "
@@ -291,15 +297,11 @@ void add_craft_rows(const CraftCorrection& craft, std::vector<BudgetRow>& rows) 
                     craft.arm_sigma_m, craft.speed_m_s)));
     rows.push_back(speed_row("y", "attitude of the craft", "A", craft.attitude_m_s,
                              RowScope::antenna, "by the joint covariance of IMU and positions"));
-    BudgetRow lag =
-        speed_row("z", "clock of the IMU against that of the positions", "B",
-                  craft.lag_sigma_s * std::abs(craft.lag_m_s_per_s), RowScope::antenna,
-                  craft.lag_sigma_s > 0.0 ? "not estimated: the motion would show a greater one"
-                                          : "estimated with the attitude, and part of its row");
-    lag.unit = std::string(1, 's');
-    lag.standard_uncertainty = craft.lag_sigma_s;
-    lag.sensitivity = craft.lag_m_s_per_s;
-    rows.push_back(std::move(lag));
+    rows.push_back(quantity_row("z", "clock of the IMU against that of the positions", "B",
+                                craft.lag_sigma_s, "s", craft.lag_m_s_per_s, RowScope::antenna,
+                                craft.lag_sigma_s > 0.0
+                                    ? "not estimated: the motion would show a greater one"
+                                    : "estimated with the attitude, and part of its row"));
 }
 
 BudgetRow undetected_row(const BudgetInput& input) {
@@ -381,20 +383,9 @@ std::optional<BudgetRow> calibration_row(const WindowConfig& config) {
 
 }  // namespace
 
-BudgetRow speed_row(std::string symbol, std::string source, std::string type,
-                    double contribution_m_s, RowScope touches, std::string note) {
-    return {.symbol = std::move(symbol),
-            .source = std::move(source),
-            .estimate = 0.0,
-            .unit = "m / s",
-            .standard_uncertainty = contribution_m_s,
-            .type = std::move(type),
-            .distribution = "normal",
-            .degrees_of_freedom = std::nullopt,
-            .sensitivity = 1.0,
-            .contribution_m_s = contribution_m_s,
-            .touches = touches,
-            .note = std::move(note)};
+void scale(BudgetRow& row, double factor) {
+    row.sensitivity *= factor;
+    row.contribution_m_s *= factor;
 }
 
 std::vector<BudgetRow> budget_of(const BudgetInput& input) {

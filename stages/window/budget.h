@@ -6,7 +6,7 @@
 #include "schemas/attempt/attempt.h"
 #include "schemas/trajectory/declared.h"
 #include "stages/window/craft_speeds.h"
-#include "stages/window/position_noise.h"
+#include "stages/window/position_speed.h"
 #include "stages/window/window.h"
 #include "stages/window/window_fault.h"
 
@@ -37,7 +37,7 @@ struct RecordedSource {
 struct BudgetInput {
     const TrajectoryTable& trajectory;
     const WindowConfig& config;
-    const PositionNoise& noise;
+    const PositionSpeed& measured;
     const ErrorBound& bound;
     const SelectionBias& selection;
 
@@ -58,13 +58,17 @@ struct BudgetInput {
     /// Set where the speed is that of the craft's reference point.
     std::optional<CraftCorrection> craft = std::nullopt;
     std::optional<RecordedSource> recorded = std::nullopt;
-    /// Factor on the rows of the positions when combined with witnesses (`beside_witnesses`).
+    /// Factor on the rows of the positions when combined with witnesses (`combine_with_witnesses`).
     double position_share = 1.0;
 };
 
-/// A row whose quantity is the speed itself (m/s), normally distributed with infinite degrees of
-/// freedom: estimate 0, sensitivity 1. `contribution_m_s` is its standard uncertainty. `type` is
-/// "A" or "B" as in [GUM] 4.2 and 4.3.
+/// A row of a normally distributed quantity with infinite degrees of freedom and the estimate 0.
+/// `type` is "A" or "B" as in [GUM] 4.2 and 4.3.
+BudgetRow quantity_row(std::string symbol, std::string source, std::string type,
+                       double standard_uncertainty, std::string unit, double sensitivity,
+                       RowScope touches, std::string note);
+
+/// Such a row whose quantity is the speed itself (m/s): its sensitivity is 1.
 BudgetRow speed_row(std::string symbol, std::string source, std::string type,
                     double contribution_m_s, RowScope touches, std::string note);
 
@@ -72,6 +76,9 @@ BudgetRow speed_row(std::string symbol, std::string source, std::string type,
 /// 0.
 BudgetRow bounded_row(std::string symbol, std::string source, double half_width, std::string unit,
                       double sensitivity, RowScope touches, std::string note);
+
+/// Multiplies what a row contributes by a factor, not negative.
+void scale(BudgetRow& row, double factor);
 
 /// The uncertainty budget of the measured speed, with one row for each source. Sources without a
 /// contribution are included, with the reason. The sources are independent of one another. What is
@@ -84,9 +91,9 @@ BudgetRow bounded_row(std::string symbol, std::string source, double half_width,
 /// q calibration (only where its certificate states an uncertainty of speed), d undetected error, f
 /// choice of the fastest window. Of recorded velocities: w white noise, b errors shorter than ten
 /// seconds, u lasting errors, p their scale, t, l delay, k, r, q, d, f. Witnesses add rows g, e and
-/// s (`beside_witnesses`) and x, what the mixture of faults asks for beyond all others. Each row
-/// has the unit of its own quantity; all contributions are in m/s. Quantities known by a half width
-/// are rectangular ([GUM] 4.3.7).
+/// s (`combine_with_witnesses`) and x, what the mixture of faults asks for beyond all others. Each
+/// row has the unit of its own quantity; all contributions are in m/s. Quantities known by a half
+/// width are rectangular ([GUM] 4.3.7).
 ///
 /// The half width of the horizontal frame's scale is half the square of the distance from the
 /// origin in Earth radii. Without a georeference it is `config.plane_scale_bound`. That of a stated

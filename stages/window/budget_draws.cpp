@@ -46,7 +46,7 @@ MonteCarloCheck monte_carlo(const BudgetInput& input, const std::vector<BudgetRo
                             double speed_m_s) {
     // Across the direction of travel only the positions disturb, by as much as along it.
     const double across =
-        input.vertical ? 0.0 : input.position_share * input.noise.speed.standard_uncertainty_m_s;
+        input.vertical ? 0.0 : input.position_share * input.measured.speed.standard_uncertainty_m_s;
     const double duration_s = input.duration_s;
     const DrawnRow time(row_of(rows, "t"));
     const DrawnRow scale(row_of(rows, "m"));

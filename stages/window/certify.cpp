@@ -11,7 +11,7 @@
 #include "stages/window/budget.h"
 #include "stages/window/contradictions.h"
 #include "stages/window/instants.h"
-#include "stages/window/position_noise.h"
+#include "stages/window/position_speed.h"
 #include "stages/window/reliability.h"
 #include "stages/window/selection.h"
 #include "stages/window/trajectory_part.h"
@@ -48,7 +48,7 @@ template <int Axes>
 SelectionBias selection_of(const AxesEstimate<Axes>& estimate, const WindowChoice& choice,
                            const ErrorBound& bound, double search_uncertainty_m_s,
                            const SpeedEstimate& stated) {
-    const double duration_s = choice.found.end.seconds() - choice.found.start.seconds();
+    const double duration_s = choice.found.duration_s();
     const double fitted_m_s =
         bound.along * estimate.model.error.process_density / std::sqrt(duration_s);
     const double slow_m_s = std::max(std::numbers::sqrt2 * bound.sigma_m / duration_s, fitted_m_s);
@@ -92,7 +92,7 @@ double lacking_for_curvature(const AxesEstimate<Axes>& estimate, const FoundWind
     const TrajectoryEpoch& first = row(found.first);
     const TrajectoryEpoch& last = row(found.last);
     const double upwards = *last.up_m >= *first.up_m ? 1.0 : -1.0;
-    return upwards * (fall_m(last) - fall_m(first)) / (found.end.seconds() - found.start.seconds());
+    return upwards * (fall_m(last) - fall_m(first)) / found.duration_s();
 }
 
 /// The bound on time-correlated errors, with the error's size along the window's direction.
@@ -102,9 +102,9 @@ ErrorBound bound_of(const AxesEstimate<Axes>& estimate, const WindowChoice& choi
     const Arc<Axes>& arc = estimate.arcs[choice.found.series];
     double along = 1.0;
     if constexpr (Axes == 2) {
-        const Eigen::Vector2d moved = displacement(at.smoothed, at.window.first, at.window.last);
-        if (estimate.noise.correlated_error_detected && moved.norm() > 0.0)
-            along = error_along(stretch.epochs, estimate.model, moved.normalized());
+        const Eigen::Vector2d chord_m = displacement(at.smoothed, at.window.first, at.window.last);
+        if (estimate.noise.correlated_error_detected && chord_m.norm() > 0.0)
+            along = error_along(stretch.epochs, estimate.model, chord_m.normalized());
     }
     return error_bound<Axes>(estimate.screened, arc.rows[choice.found.first],
                              arc.rows[choice.found.last], estimate.noise,
@@ -113,12 +113,12 @@ ErrorBound bound_of(const AxesEstimate<Axes>& estimate, const WindowChoice& choi
 
 template <int Axes>
 BudgetInput budget_input(const AxesEstimate<Axes>& estimate, const WindowChoice& choice,
-                         const PositionNoise& noise, double duration_s, const WindowFault& fault,
+                         const PositionSpeed& measured, double duration_s, const WindowFault& fault,
                          const CertifiableWindow& window) {
     const Arc<Axes>& arc = estimate.arcs[choice.found.series];
     return {.trajectory = estimate.trajectory,
             .config = estimate.config,
-            .noise = noise,
+            .measured = measured,
             .bound = *window.bound,
             .selection = *window.selection,
             .first_row = arc.rows[choice.found.first],
@@ -158,9 +158,9 @@ PositionFigures<Axes> figures_of(const WindowChoice& choice, const EstimatedWind
 
 /// Sets the speed minus the bias of the choice, its budget, and the quantities derived from them.
 template <int Axes>
-void hear_and_set(const AxesEstimate<Axes>& estimate, const WindowChoice& choice,
-                  const EstimatedWindow<Axes>& at, const PositionNoise& noise,
-                  CertifiableWindow& window) {
+void set_speed_and_budget(const AxesEstimate<Axes>& estimate, const WindowChoice& choice,
+                          const EstimatedWindow<Axes>& at, const PositionSpeed& measured,
+                          CertifiableWindow& window) {
     const ArcRows& rows = estimate.rows[choice.found.series];
     const UncertaintyRule& rule = choice.profile.uncertainty;
     const SelectionBias& selection = *window.selection;
@@ -172,37 +172,39 @@ void hear_and_set(const AxesEstimate<Axes>& estimate, const WindowChoice& choice
                                      {rows.rows[choice.found.first], rows.rows[choice.found.last]},
                                      window.reliability, counts_path(choice.profile.definition),
                                      probability, estimate.lasting);
-    BudgetInput input = budget_input(estimate, choice, noise, at.duration_s, fault, window);
+    BudgetInput input = budget_input(estimate, choice, measured, at.duration_s, fault, window);
     std::vector<BudgetRow> alone = budget_of(input);
     PositionFigures<Axes> figures = figures_of(
-        choice, at, noise.speed.speed_m_s, window.definitions, positions_of(alone, fault.prior));
+        choice, at, measured.speed.speed_m_s, window.definitions, positions_of(alone, fault.prior));
     const ArcMotion<Axes> motion(estimate.trajectory, rows);
-    const auto heard_by = [&] {
-        return witnessed_speeds(heard(estimate, choice.files_answered), figures, motion);
+    const auto compare_witnesses = [&] {
+        return witnessed_speeds(admitted_witnesses(estimate, choice.files_attested), figures,
+                                motion);
     };
-    std::vector<WitnessedSpeed> witnesses = heard_by();
+    std::vector<WitnessedSpeed> witnesses = compare_witnesses();
     if (suspect(choice.contradictions, choice.found, witnesses, fault)) {
         input.fault = fault;
         alone = budget_of(input);
         figures.speed.fault = fault.prior;
-        witnesses = heard_by();
+        witnesses = compare_witnesses();
     }
     for (WitnessedSpeed& one : witnesses)
         one.confirms = one.confirms && !choice.by_positions_alone;
-    WitnessedBudget heard = beside_witnesses(alone, fault, selection, std::move(witnesses));
-    input.position_share = heard.position_share;
+    WitnessedBudget combined =
+        combine_with_witnesses(alone, fault, selection, std::move(witnesses));
+    input.position_share = combined.position_share;
     const double craft_m_s = choice.craft ? choice.craft->speed_m_s : 0.0;
-    set_speed(noise.speed.speed_m_s + craft_m_s, selection, heard.bias_m_s, heard.position_share,
-              window);
+    set_speed(measured.speed.speed_m_s + craft_m_s, selection, combined.bias_m_s,
+              combined.position_share, window);
     window.own_standard_uncertainty_m_s = own_uncertainty(alone);
-    window.budget = std::move(heard.rows);
-    window.witnesses = std::move(heard.witnesses);
-    window.evidence = std::move(heard.evidence);
+    window.budget = std::move(combined.rows);
+    window.witnesses = std::move(combined.witnesses);
+    window.evidence = std::move(combined.evidence);
     if (window.witnesses.empty())
-        window.expected_beside_velocities_m_s = expected_beside_velocities(
+        window.expected_beside_velocities_m_s = expected_with_velocities(
             window.budget, *window.own_standard_uncertainty_m_s, window.bias_limit_m_s,
             at.duration_s, estimate.trajectory.facts.nominal_interval_s);
-    hold_mixture(choice.profile.coverage_factor, alone, window);
+    cover_fault_mixture(choice.profile.coverage_factor, alone, window);
     set_uncertainty(window);
     if (choice.extent == CertificateExtent::whole)
         window.monte_carlo = monte_carlo(input, window.budget, window.speed_m_s);
@@ -234,10 +236,26 @@ void move_to_craft(const CraftCorrection& craft, CertifiableWindow& window) {
         if (*mean) **mean += craft.definitions.mean_n_plus_1_m_s;
 }
 
+/// What is known of a speed in space, from that of its two parts: uncertainties as of errors that
+/// are fully correlated, faults of either.
+SpeedEvidence evidence_in_space(SpeedEvidence horizontal, const SpeedEvidence& vertical,
+                                double level, double upright) {
+    for (double SpeedEvidence::*const figure :
+         {&SpeedEvidence::position_standard_uncertainty_m_s,
+          &SpeedEvidence::slow_standard_uncertainty_m_s,
+          &SpeedEvidence::shared_standard_uncertainty_m_s, &SpeedEvidence::fault_m_s,
+          &SpeedEvidence::at_a_fifth_m_s, &SpeedEvidence::at_five_times_m_s})
+        horizontal.*figure = level * horizontal.*figure + upright * vertical.*figure;
+    for (double SpeedEvidence::*const probability :
+         {&SpeedEvidence::fault_probability, &SpeedEvidence::chosen_fault_probability})
+        horizontal.*probability = std::min(1.0, horizontal.*probability + vertical.*probability);
+    return horizontal;
+}
+
 }  // namespace
 
-CertifiableWindow placed(const TrajectoryTable& trajectory, const ArcRows& arc,
-                         const FoundWindow& found) {
+CertifiableWindow window_at(const TrajectoryTable& trajectory, const ArcRows& arc,
+                            const FoundWindow& found) {
     CertifiableWindow window;
     const auto epoch = [&](std::size_t k) { return trajectory.rows[arc.rows[k]].epoch; };
     window.span = window_span(trajectory.facts, epoch(found.first), epoch(found.last), found.start,
@@ -272,7 +290,7 @@ SpeedQuantity quantity_of(const Profile& profile) {
 
 template <int Axes>
 AxesEstimate<Axes> estimate_of(const ScreenedTable& screened, const TrajectoryTable& trajectory,
-                               const WindowConfig& config, const WitnessRecords& beside,
+                               const WindowConfig& config, const WitnessRecords& records,
                                std::vector<Stand> stands) {
     const NoiseSummary& noise = noise_of<Axes>(trajectory);
     AxesEstimate<Axes> estimate{.screened = screened,
@@ -285,18 +303,18 @@ AxesEstimate<Axes> estimate_of(const ScreenedTable& screened, const TrajectoryTa
                                 .rows = arcs_in(trajectory),
                                 .times = {},
                                 .witnesses = {},
-                                .unanswered = {},
+                                .unattested = {},
                                 .stands = std::move(stands),
                                 .lasting = {}};
     estimate.witnesses =
-        witnesses_of<Axes>(screened, trajectory, beside, estimate.model.motion.jerk_density);
-    estimate.unanswered = estimate.witnesses;
-    for (HeardWitness<Axes>& one : estimate.unanswered) {
-        one.unanswered = is_second_file(one.kind, beside);
+        witnesses_of<Axes>(screened, trajectory, records, estimate.model.motion.jerk_density);
+    estimate.unattested = estimate.witnesses;
+    for (AssessedWitness<Axes>& one : estimate.unattested) {
+        one.unanswered = is_second_file(one.kind, records);
         one.confirms = one.confirms && !one.unanswered;
     }
-    const auto velocities =
-        std::ranges::find(estimate.witnesses, WitnessKind::velocities, &HeardWitness<Axes>::kind);
+    const auto velocities = std::ranges::find(estimate.witnesses, WitnessKind::velocities,
+                                              &AssessedWitness<Axes>::kind);
     estimate.lasting = lasting_difference<Axes>(
         screened, velocities == estimate.witnesses.end() ? nullptr : velocities->motion.get());
     const bool equal =
@@ -317,7 +335,8 @@ AxesEstimate<Axes> estimate_of(const ScreenedTable& screened, const TrajectoryTa
 }
 
 template <int Axes>
-CertifiableWindow certified(const AxesEstimate<Axes>& estimate, const WindowChoice& choice) {
+CertifiableWindow certify_by_positions(const AxesEstimate<Axes>& estimate,
+                                       const WindowChoice& choice) {
     const FoundWindow& found = choice.found;
     const auto [part, smoothed] = checked_estimate(estimate, found);
     const ArcWithInstants<Axes> at = with_instants(part.arc, part.times, found.start, found.end);
@@ -336,22 +355,22 @@ CertifiableWindow certified(const AxesEstimate<Axes>& estimate, const WindowChoi
     const double lacking_m_s = lacking_for_curvature(estimate, found);
     const ErrorBound bound = bound_of(estimate, choice, estimated, stretch);
     const SpeedWeights<Axes> weights = speed_weights(estimated, choice.quantity);
-    PositionNoise noise = position_noise(estimated, choice.quantity, weights, bound);
+    PositionSpeed measured = speed_by_positions(estimated, choice.quantity, weights, bound);
 
-    CertifiableWindow window = placed(estimate.trajectory, estimate.rows[found.series], found);
+    CertifiableWindow window = window_at(estimate.trajectory, estimate.rows[found.series], found);
     window.methods = methods_of(estimate, found);
     window.definitions = definitions_of(smoothed_track(smoothed_at), at.window, stretch.duration_s);
     window.fitted = fitted_speed(stretch, estimate.models, choice.quantity);
-    window.estimates = other_estimates(estimated, choice.quantity, weights, noise);
+    window.estimates = other_estimates(estimated, choice.quantity, weights, measured);
     raise({lacking_m_s, lacking_m_s, lacking_m_s, lacking_m_s}, lacking_m_s, window);
-    noise.model_m_s = window.estimates->half_width_m_s;
-    noise.speed.speed_m_s += lacking_m_s;
+    measured.model_m_s = window.estimates->half_width_m_s;
+    measured.speed.speed_m_s += lacking_m_s;
     if constexpr (Axes == 2)
-        window.robust = robust_speed(estimate.trajectory, part, smoothed, noise.model_m_s);
+        window.robust = robust_speed(estimate.trajectory, part, smoothed, measured.model_m_s);
     window.bound = bound;
-    window.bound->standard_uncertainty_m_s = noise.speed.standard_uncertainty_m_s;
-    window.displacement_m = noise.displacement_m;
-    window.length_m = noise.speed.speed_m_s * window.span.duration.seconds();
+    window.bound->standard_uncertainty_m_s = measured.speed.standard_uncertainty_m_s;
+    window.displacement_m = measured.displacement_m;
+    window.length_m = measured.speed.speed_m_s * window.span.duration.seconds();
     window.position_r95_m = position_r95_m(smoothed, part.window, bound);
     window.detection_power = estimate.screened.basis.power;
     window.reliability =
@@ -359,9 +378,47 @@ CertifiableWindow certified(const AxesEstimate<Axes>& estimate, const WindowChoi
                                 std::span(weights).subspan(stretch.first, stretch.epochs.size()));
     const SpeedEstimate searched = smoothed_speed(smoothed_at, at.window, stretch.duration_s, {});
     window.selection =
-        selection_of(estimate, choice, bound, searched.standard_uncertainty_m_s, noise.speed);
-    hear_and_set(estimate, choice, estimated, noise, window);
+        selection_of(estimate, choice, bound, searched.standard_uncertainty_m_s, measured.speed);
+    set_speed_and_budget(estimate, choice, estimated, measured, window);
     if (choice.craft) move_to_craft(*choice.craft, window);
+    return window;
+}
+
+CertifiableWindow speed_in_space(const CertifiableWindow& horizontal,
+                                 const CertifiableWindow& vertical) {
+    CertifiableWindow window = horizontal;
+    const double speed = std::hypot(horizontal.speed_m_s, vertical.speed_m_s);
+    const double level = speed > 0.0 ? horizontal.speed_m_s / speed : 1.0;
+    const double upright = speed > 0.0 ? vertical.speed_m_s / speed : 1.0;
+    const double of_level = level * horizontal.standard_uncertainty_m_s;
+    const double of_upright = upright * vertical.standard_uncertainty_m_s;
+    for (BudgetRow& row : window.budget)
+        scale(row, level);
+    BudgetRow row = speed_row("v", "vertical part of the speed", "B",
+                              std::sqrt(of_upright * of_upright + 2.0 * of_level * of_upright),
+                              RowScope::source,
+                              fmt::format("its own standard uncertainty is {:.4f} m/s",
+                                          vertical.standard_uncertainty_m_s));
+    row.estimate = vertical.speed_m_s;
+    row.correlation =
+        "fully correlated with all other rows together; what it adds to them is given";
+    window.budget.push_back(std::move(row));
+    window.speed_m_s = speed;
+    window.standard_uncertainty_m_s = of_level + of_upright;
+    window.bias_limit_m_s = level * horizontal.bias_limit_m_s + upright * vertical.bias_limit_m_s;
+    window.evidence = window.evidence && vertical.evidence
+                          ? std::optional(evidence_in_space(*horizontal.evidence,
+                                                            *vertical.evidence, level, upright))
+                          : std::nullopt;
+    window.estimates = std::nullopt;
+    window.own_standard_uncertainty_m_s = std::nullopt;
+    window.length_m = speed * window.span.duration.seconds();
+    window.definitions.displacement_m_s =
+        std::hypot(horizontal.definitions.displacement_m_s, vertical.definitions.displacement_m_s);
+    window.fitted = std::nullopt;
+    window.monte_carlo = std::nullopt;
+    window.reliability.insert(window.reliability.end(), vertical.reliability.begin(),
+                              vertical.reliability.end());
     return window;
 }
 
@@ -371,7 +428,7 @@ template AxesEstimate<1> estimate_of<1>(const ScreenedTable&, const TrajectoryTa
 template AxesEstimate<2> estimate_of<2>(const ScreenedTable&, const TrajectoryTable&,
                                         const WindowConfig&, const WitnessRecords&,
                                         std::vector<Stand>);
-template CertifiableWindow certified<1>(const AxesEstimate<1>&, const WindowChoice&);
-template CertifiableWindow certified<2>(const AxesEstimate<2>&, const WindowChoice&);
+template CertifiableWindow certify_by_positions<1>(const AxesEstimate<1>&, const WindowChoice&);
+template CertifiableWindow certify_by_positions<2>(const AxesEstimate<2>&, const WindowChoice&);
 
 }  // namespace runcert

@@ -28,16 +28,17 @@ struct AxesEstimate {
     std::vector<Arc<Axes>> arcs;
     std::vector<ArcRows> rows;                    ///< each arc's rows in the trajectory
     std::vector<std::vector<ElapsedTime>> times;  ///< of each arc's epochs
-    HeardWitnesses<Axes> witnesses;
-    HeardWitnesses<Axes> unanswered;  ///< the same while nobody has answered for second files
+    AssessedWitnesses<Axes> witnesses;
+    AssessedWitnesses<Axes> unattested;  ///< the same before officials have attested second files
     std::vector<Stand> stands;
     LastingDifference lasting;  ///< as from `lasting_difference`
 };
 
-/// The witnesses that are heard before officials have answered for second files, or after.
+/// The witnesses that count before officials have attested second files, or after.
 template <int Axes>
-const HeardWitnesses<Axes>& heard(const AxesEstimate<Axes>& estimate, bool files_answered) {
-    return files_answered ? estimate.witnesses : estimate.unanswered;
+const AssessedWitnesses<Axes>& admitted_witnesses(const AxesEstimate<Axes>& estimate,
+                                                  bool files_attested) {
+    return files_attested ? estimate.witnesses : estimate.unattested;
 }
 
 /// Gathers these data, with where the craft stood (`stands_of`). Heights must have been measured
@@ -45,7 +46,7 @@ const HeardWitnesses<Axes>& heard(const AxesEstimate<Axes>& estimate, bool files
 /// state the noise with which it was estimated.
 template <int Axes>
 AxesEstimate<Axes> estimate_of(const ScreenedTable& screened, const TrajectoryTable& trajectory,
-                               const WindowConfig& config, const WitnessRecords& beside,
+                               const WindowConfig& config, const WitnessRecords& records,
                                std::vector<Stand> stands);
 
 /// How much of a certificate is made: all of it, or as much as comparing windows needs, without the
@@ -64,15 +65,15 @@ struct WindowChoice {
     std::optional<CraftCorrection> craft = std::nullopt;
     /// Whether witnesses can only contradict: they do not reduce the uncertainty.
     bool by_positions_alone = false;
-    bool files_answered = true;  ///< whether an official has answered for second files
+    bool files_attested = true;  ///< whether an official has answered for second files
     /// Where witnesses contradict other windows, which makes this one suspect.
     std::span<const Contradiction> contradictions = {};
     CertificateExtent extent = CertificateExtent::whole;
 };
 
 /// A window with its place and time, without figures.
-CertifiableWindow placed(const TrajectoryTable& trajectory, const ArcRows& arc,
-                         const FoundWindow& found);
+CertifiableWindow window_at(const TrajectoryTable& trajectory, const ArcRows& arc,
+                            const FoundWindow& found);
 
 /// Sets a window's speed: the measured one less `bias_m_s` of the choice, where the rule subtracts
 /// it, and as the limit what may remain of it for a source that counts by this share.
@@ -88,14 +89,16 @@ SpeedQuantity quantity_of(const Profile& profile);
 
 /// The measured speed of a window with all sources of uncertainty. A vertical speed is of
 /// ellipsoidal heights. Speeds by witnesses are given beside it. Where they agree, the budget
-/// contains the uncertainty that they leave (`beside_witnesses`). Failure if the trajectory is not
-/// the estimate from these screened epochs.
+/// contains the uncertainty that they leave (`combine_with_witnesses`). Failure if the trajectory
+/// is not the estimate from these screened epochs.
 template <int Axes>
-CertifiableWindow certified(const AxesEstimate<Axes>& estimate, const WindowChoice& choice);
+CertifiableWindow certify_by_positions(const AxesEstimate<Axes>& estimate,
+                                       const WindowChoice& choice);
 
 /// The speed in space of a window, from its horizontal and vertical displacement. The two are at
 /// right angles. Their errors are taken as fully correlated, because their correlation is unknown.
 /// Both were certified by positions alone.
-CertifiableWindow in_space(const CertifiableWindow& horizontal, const CertifiableWindow& vertical);
+CertifiableWindow speed_in_space(const CertifiableWindow& horizontal,
+                                 const CertifiableWindow& vertical);
 
 }  // namespace runcert

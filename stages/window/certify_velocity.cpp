@@ -105,7 +105,7 @@ std::string slow_note(const SpeedErrors& errors, const SpeedNoise& noise,
         return said + ", which counts whole: the positions are not independent of the velocities";
     if (!noise.white || !noise.over_ten)
         return said + ", which counts whole: too little of the recording can be compared";
-    return noise.over_ten ? said + "; " + shown() : said;
+    return said + "; " + shown();
 }
 
 /// The rows of the recorded speeds' own errors, but for their scale. `apart_m_s` is how far this
@@ -153,8 +153,9 @@ std::vector<BudgetRow> error_rows(const SpeedErrors& errors, const SpeedNoise& n
 /// Row p: what all recorded speeds have in common. The estimate is taken off.
 BudgetRow scale_row(const std::optional<SpeedScale>& found, double speed_m_s) {
     const SpeedScale scale = found.value_or(SpeedScale{});
-    BudgetRow row = speed_row(
-        "p", "scale of the recorded speeds", "A", scale.uncertainty * speed_m_s, RowScope::source,
+    BudgetRow row = quantity_row(
+        "p", "scale of the recorded speeds", "A", scale.uncertainty, "1", -speed_m_s,
+        RowScope::source,
         found
             ? fmt::format("beside the positions, over straight fast spans of 10 s, they are "
                           "{:+.3f} % too high, with a standard uncertainty of {:.3f} %; weighed "
@@ -163,9 +164,6 @@ BudgetRow scale_row(const std::optional<SpeedScale>& found, double speed_m_s) {
             : std::string("the positions tell nothing of it: it is part of the stated value, "
                           "which counts whole"));
     row.estimate = scale.value;
-    row.unit = "1";
-    row.standard_uncertainty = scale.uncertainty;
-    row.sensitivity = -speed_m_s;
     return row;
 }
 
@@ -183,7 +181,7 @@ std::optional<double> largest_undetected(const ScreenedTable& screened, Dimensio
     for (const DetectableSpeed& one : tested->detectable)
         largest_m_s = std::max(
             largest_m_s, one.size_m_s * std::min(1.0, static_cast<double>(one.samples) / samples));
-    return std::min(largest_m_s, largest_error_beside(positions));
+    return std::min(largest_m_s, largest_error_given(positions));
 }
 
 SelectionBias selection_of(const VelocityEstimate& estimate, const WindowChoice& choice,
@@ -238,7 +236,7 @@ RecordedSource source_of(const VelocityEstimate& estimate, const WindowChoice& c
 CertifiableWindow described(const VelocityEstimate& estimate, const WindowChoice& choice) {
     const FoundWindow& found = choice.found;
     const ArcRows& arc = estimate.rows[found.series];
-    CertifiableWindow window = placed(estimate.trajectory, arc, found);
+    CertifiableWindow window = window_at(estimate.trajectory, arc, found);
     const TrajectoryEpoch& first = estimate.trajectory.rows[arc.rows[found.first]];
     const TrajectoryEpoch& last = estimate.trajectory.rows[arc.rows[found.last]];
     window.length_m = found.length_m;
@@ -263,7 +261,8 @@ bool states_velocity_accuracy(const ScreenedTable& screened, const ArcRows& arc,
     return true;
 }
 
-CertifiableWindow certified(const VelocityEstimate& estimate, const WindowChoice& choice) {
+CertifiableWindow certify_by_velocities(const VelocityEstimate& estimate,
+                                        const WindowChoice& choice) {
     const FoundWindow& found = choice.found;
     const TrajectoryTable& trajectory = estimate.trajectory;
     const ArcRows& arc = estimate.rows[found.series];
@@ -294,12 +293,12 @@ CertifiableWindow certified(const VelocityEstimate& estimate, const WindowChoice
             : largest_undetected(estimate.screened, dimension, samples_of(found), positions);
     source.undetected = undetected_text(errors.slow, largest_m_s, estimate.screened.basis.power);
     const SelectionBias selection = selection_of(estimate, choice, errors);
-    const PositionNoise speed{.speed = {.speed_m_s = found.speed_m_s}};
+    const PositionSpeed speed{.speed = {.speed_m_s = found.speed_m_s}};
     const ErrorBound no_bound;
     const BudgetInput input{
         .trajectory = trajectory,
         .config = estimate.config,
-        .noise = speed,
+        .measured = speed,
         .bound = no_bound,
         .selection = selection,
         .first_row = arc.rows[found.first],

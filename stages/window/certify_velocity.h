@@ -21,7 +21,8 @@ struct VelocityEstimate {
 /// come from the recording (`speed_errors`). The bias of the choice comes from draws of those
 /// errors that may differ between windows (`speed_choice_bias`). The smoothed positions serve as a
 /// witness. Every epoch of the window must state the standard deviation of its velocity.
-CertifiableWindow certified(const VelocityEstimate& estimate, const WindowChoice& choice);
+CertifiableWindow certify_by_velocities(const VelocityEstimate& estimate,
+                                        const WindowChoice& choice);
 
 /// Whether every epoch of the window states the standard deviation of its velocity.
 bool states_velocity_accuracy(const ScreenedTable& screened, const ArcRows& arc,

@@ -15,10 +15,6 @@ namespace {
 
 constexpr double test_size = 0.05;  // of k = 2
 
-bool is_by(const Contradiction& one, const auto& witness) {
-    return one.kind == witness.kind && one.receiver == witness.receiver;
-}
-
 /// Whether chance makes so large a difference of any of `count` witnesses in fewer than five of a
 /// hundred windows.
 bool doubts(const WitnessedSpeed& one, std::size_t count) {
@@ -83,8 +79,9 @@ std::vector<Contradiction> contradictions_in(const AxesEstimate<Axes>& estimate,
                           .receiver = one.receiver,
                           .drift_m_s = one.apart_m / one.compared_over_s.value_or(window_s),
                           .sound_over_s = longer * window_s});
-        const auto witness = std::ranges::find_if(
-            estimate.witnesses, [&](const auto& each) { return is_by(found_here, each); });
+        const auto witness = std::ranges::find_if(estimate.witnesses, [&](const auto& each) {
+            return is_same_witness(found_here, each);
+        });
         if (witness == estimate.witnesses.end()) continue;
         const auto nearest = [&](bool after) {
             return nearest_sound(
@@ -104,15 +101,15 @@ std::vector<Contradiction> contradictions_in(const AxesEstimate<Axes>& estimate,
 
 const Contradiction* suspected_by(std::span<const Contradiction> contradictions,
                                   const FoundWindow& window,
-                                  std::span<const WitnessedSpeed> heard) {
+                                  std::span<const WitnessedSpeed> witnesses) {
     const TimeSpan at{window.start.seconds(), window.end.seconds()};
     const double window_s = at.last_s - at.first_s;
     for (const Contradiction& one : contradictions) {
         const bool is_beyond = window_s <= one.sound_over_s &&
                                (at.last_s >= one.sound_from_s || at.first_s <= one.sound_until_s);
         if (window.series != one.series || is_beyond ||
-            std::ranges::any_of(heard, [&](const WitnessedSpeed& each) {
-                return is_by(one, each) && shows_sound(each, one.drift_m_s, window_s);
+            std::ranges::any_of(witnesses, [&](const WitnessedSpeed& each) {
+                return is_same_witness(one, each) && shows_sound(each, one.drift_m_s, window_s);
             }))
             continue;
         return &one;
@@ -121,16 +118,17 @@ const Contradiction* suspected_by(std::span<const Contradiction> contradictions,
 }
 
 bool suspect(std::span<const Contradiction> contradictions, const FoundWindow& window,
-             std::span<const WitnessedSpeed> heard, WindowFault& fault) {
-    if (const Contradiction* const by = suspected_by(contradictions, window, heard))
+             std::span<const WitnessedSpeed> witnesses, WindowFault& fault) {
+    if (const Contradiction* const by = suspected_by(contradictions, window, witnesses))
         fault.raise(
             as_likely_as_not, by->drift_m_s,
             fmt::format("the {} contradict the positions by {:.2f} m/s from {:.1f} s to "
                         "{:.1f} s, and have not shown them sound again up to this window",
                         words_of(by->kind), by->drift_m_s, by->window.first_s, by->window.last_s));
     else if (const auto one = std::ranges::find_if(
-                 heard, [&](const WitnessedSpeed& each) { return doubts(each, heard.size()); });
-             one != heard.end() && std::ranges::none_of(heard, &contradicts))
+                 witnesses,
+                 [&](const WitnessedSpeed& each) { return doubts(each, witnesses.size()); });
+             one != witnesses.end() && std::ranges::none_of(witnesses, &contradicts))
         fault.raise(as_likely_as_not, std::abs(one->difference_m_s),
                     fmt::format("the {} differ from the positions by {:.2f} m/s in this window, "
                                 "more than the uncertainties of both make in 95 of 100",

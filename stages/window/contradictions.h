@@ -40,15 +40,16 @@ std::vector<Contradiction> contradictions_in(const AxesEstimate<Axes>& estimate,
                                              const CertifiableWindow& window);
 
 /// The contradiction by which the positions of another window of the arc are suspect. Such a window
-/// lies before the positions were shown to be sound, and the witness (`heard`, with the window's
-/// other ones) does not show it of the window itself. Null if there is none.
+/// lies before the positions were shown to be sound, and the witness (`witnesses`, with the
+/// window's other ones) does not show it of the window itself. Null if there is none.
 const Contradiction* suspected_by(std::span<const Contradiction> contradictions,
-                                  const FoundWindow& window, std::span<const WitnessedSpeed> heard);
+                                  const FoundWindow& window,
+                                  std::span<const WitnessedSpeed> witnesses);
 
 /// Takes the positions of a window to be as likely at fault as not where such a contradiction makes
-/// them suspect. It does the same where a witness of the window (`heard`) differs from them by more
-/// than the 95 % of both, and none contradicts them outright. Returns whether one does.
+/// them suspect. It does the same where a witness of the window (`witnesses`) differs from them by
+/// more than the 95 % of both, and none contradicts them outright. Returns whether one does.
 bool suspect(std::span<const Contradiction> contradictions, const FoundWindow& window,
-             std::span<const WitnessedSpeed> heard, WindowFault& fault);
+             std::span<const WitnessedSpeed> witnesses, WindowFault& fault);
 
 }  // namespace runcert

@@ -69,14 +69,14 @@ PointSpeed point_speed(const InertialSolution& solution, EpochPair at, const Poi
 double lag_effect(const InertialSolution& solution, EpochPair at, const PointSpan& span) {
     const InertialEpoch& first = solution.epochs[at.first];
     const InertialEpoch& last = solution.epochs[at.last];
-    const Eigen::Vector3d moved =
+    const Eigen::Vector3d chord_m =
         axes_of_speed(span.dimension)
             .cwiseProduct(last.antenna.position_m - first.antenna.position_m);
-    if (!(moved.norm() > 0.0)) return 0.0;
+    if (!(chord_m.norm() > 0.0)) return 0.0;
     const auto swings = [](const InertialEpoch& epoch) -> Eigen::Vector3d {
         return epoch.reference_point.velocity_m_s - epoch.antenna.velocity_m_s;
     };
-    return moved.normalized().dot(swings(last) - swings(first)) / (span.to_s - span.from_s);
+    return chord_m.normalized().dot(swings(last) - swings(first)) / (span.to_s - span.from_s);
 }
 
 }  // namespace
@@ -132,12 +132,13 @@ TrajectoryTable at_reference_point(TrajectoryTable trajectory, const InertialSol
             row.usable = false;
             continue;
         }
-        const Eigen::Vector3d moved = epoch->reference_point.position_m - epoch->antenna.position_m;
+        const Eigen::Vector3d lever_m =
+            epoch->reference_point.position_m - epoch->antenna.position_m;
         const Eigen::Vector3d swings =
             epoch->reference_point.velocity_m_s - epoch->antenna.velocity_m_s;
-        *row.east_m += moved.x();
-        *row.north_m += moved.y();
-        if (row.up_m) *row.up_m += moved.z();
+        *row.east_m += lever_m.x();
+        *row.north_m += lever_m.y();
+        if (row.up_m) *row.up_m += lever_m.z();
         *row.velocity_east_m_s += swings.x();
         *row.velocity_north_m_s += swings.y();
         if (row.velocity_up_m_s) *row.velocity_up_m_s += swings.z();

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/statistics.h"
+#include "witness/arcs.h"
 #include "witness/velocity_witness.h"
 
 namespace runcert {
@@ -53,13 +54,6 @@ double known_of_velocities_m_s(const VelocityErrors& errors) {
     const double of_good_m_s = errors.axes == TestedAxes::vertical ? 0.1 : 0.07;
     return std::max(of_good_m_s, errors.stated_m_s.value_or(0.0));
 }
-
-/// A prior of the scale of velocities: a normal distribution about 1 with a weight. 0.1 to 0.5 %
-/// are what filters and spinning antennas leave; 2 % are of another instrument, or of wrong units.
-struct ScalePrior {
-    double weight = 0.0, sigma = 0.0;
-};
-constexpr std::array scale_priors{ScalePrior{0.95, 0.003}, ScalePrior{0.05, 0.02}};
 
 /// Sums over spans of products of the differences d, the speeds v, and a drift's shape x.
 struct Products {
@@ -160,12 +154,12 @@ std::vector<SpanComparison> compare_spans(const Witness<Axes>& velocities,
         const std::size_t first = std::exchange(from, to);
         const double duration_s = end.time_s - begin.time_s;
         if (end.stretch != begin.stretch || duration_s > 2.0 * usual_window_s) continue;
-        const auto moved = velocities.between(begin.time_s, end.time_s);
-        const PositionVector<Axes> way = end.position - begin.position;
-        const double speed_m_s = way.norm() / duration_s;
-        if (!moved || speed_m_s < least_speed_m_s) continue;
-        const PositionVector<Axes> difference = (way - moved->displacement_m) / duration_s;
-        const double along_m_s = difference.dot(way.normalized());
+        const auto witnessed = velocities.between(begin.time_s, end.time_s);
+        const PositionVector<Axes> measured = end.position - begin.position;
+        const double speed_m_s = measured.norm() / duration_s;
+        if (!witnessed || speed_m_s < least_speed_m_s) continue;
+        const PositionVector<Axes> difference = (measured - witnessed->displacement_m) / duration_s;
+        const double along_m_s = difference.dot(measured.normalized());
         const auto speed_in = [&](const TimedPosition<Axes>& a, const TimedPosition<Axes>& b) {
             return (b.position - a.position).norm() / (b.time_s - a.time_s);
         };
@@ -247,7 +241,7 @@ double unexplained_by_velocities_m_s(const ScreenedTable& screened, TestedAxes a
 template <int Axes>
 LastingDifference lasting_difference(const ScreenedTable& screened,
                                      const Witness<Axes>* velocities) {
-    constexpr TestedAxes axes = Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal;
+    constexpr TestedAxes axes = tested_axes<Axes>;
     const double size_m_s = unexplained_by_velocities_m_s(screened, axes);
     if (!(size_m_s > 0.0) || velocities == nullptr) return {.size_m_s = size_m_s};
     const auto& all = screened.basis.velocity_errors;

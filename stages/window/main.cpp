@@ -43,7 +43,7 @@ void read_phases(StageRun& run, const Receiver& receiver, ReceiverTables& tables
     auto judged = run.open(products::screened_phase, receiver, open_screened_phase);
     tables.first_of_phases = phases.head().first_epoch;
     tables.phases = std::make_shared<const JudgedPhases>(judged_phases(
-        phases, judged, ReceiverPlaces(screened.origin, screened.facts.first_epoch, screened.rows),
+        phases, judged, ReceiverTrack(screened.origin, screened.facts.first_epoch, screened.rows),
         run.attempt().parameters.screen.phase_mask_deg));
 }
 
@@ -103,7 +103,8 @@ void solve_imus(StageRun& run, std::vector<ReceiverTables>& tables) {
     }
 }
 
-WitnessRecords beside(StageRun& run, const std::vector<ReceiverTables>& tables, std::size_t own) {
+WitnessRecords witness_records(StageRun& run, const std::vector<ReceiverTables>& tables,
+                               std::size_t own) {
     WitnessRecords all{.phases = tables[own].phases,
                        .first_of_phases = tables[own].first_of_phases,
                        .inertial = tables[own].inertial,
@@ -123,7 +124,7 @@ WitnessRecords beside(StageRun& run, const std::vector<ReceiverTables>& tables, 
 }
 
 /// The lever arm between antenna and reference point, as the attempt states both from the IMU.
-Eigen::Vector3d arm_beside(const ImuTable& imu) {
+Eigen::Vector3d lever_arm_of(const ImuTable& imu) {
     const LeverArm reference = imu.reference_point.value_or(LeverArm{});
     return Eigen::Vector3d(reference.data()) - Eigen::Vector3d(imu.antenna.data());
 }
@@ -142,9 +143,10 @@ int main(int argc, char** argv) {
             for (std::size_t i = 0; i < tables.size(); ++i) {
                 const Receiver& receiver = attempt.receivers[i];
                 WindowConfig config = window_config(attempt, receiver);
-                if (tables[i].imu) config.lever_arm = arm_beside(*tables[i].imu);
-                Windows windows = find_windows(tables[i].screened, tables[i].trajectory, profiles,
-                                               config, attempt.course, beside(run, tables, i));
+                if (tables[i].imu) config.lever_arm = lever_arm_of(*tables[i].imu);
+                Windows windows =
+                    find_windows(tables[i].screened, tables[i].trajectory, profiles, config,
+                                 attempt.course, witness_records(run, tables, i));
                 if (tables[i].imu)
                     if (std::string quiet = quiet_gyros_text(*tables[i].imu, *receiver.imu);
                         !quiet.empty())

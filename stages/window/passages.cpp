@@ -46,24 +46,19 @@ std::vector<Crossing> trimmed(std::vector<Crossing> group) {
     return group;
 }
 
-/// The crossings of the start line that may begin the passage whose start is crossing `k`.
-std::vector<Crossing> starts_of(const LineCrossings& all, std::size_t k) {
-    std::size_t first = k;
-    while (first > 0 && all[first - 1].line == Line::start &&
-           all[first - 1].crossing.series == all[k].crossing.series)
+/// The crossings of the start line up to `k` that may begin its passage, or those of the finish
+/// line from `k` on that may end it: with none of the other line in between.
+std::vector<Crossing> alternatives_to(const LineCrossings& all, std::size_t k) {
+    const auto is_alike = [&](const LineCrossing& one) {
+        return one.line == all[k].line && one.crossing.series == all[k].crossing.series;
+    };
+    std::size_t first = k, end = k + 1;
+    while (all[k].line == Line::start && first > 0 && is_alike(all[first - 1]))
         --first;
+    while (all[k].line == Line::finish && end < all.size() && is_alike(all[end]))
+        ++end;
     std::vector<Crossing> group;
-    for (std::size_t i = first; i <= k; ++i)
-        group.push_back(all[i].crossing);
-    return trimmed(std::move(group));
-}
-
-/// The crossings of the finish line that may end the passage whose finish is crossing `k`.
-std::vector<Crossing> finishes_of(const LineCrossings& all, std::size_t k) {
-    std::vector<Crossing> group;
-    for (std::size_t i = k; i < all.size() && all[i].line == Line::finish &&
-                            all[i].crossing.series == all[k].crossing.series;
-         ++i)
+    for (std::size_t i = first; i < end; ++i)
         group.push_back(all[i].crossing);
     return trimmed(std::move(group));
 }
@@ -110,9 +105,9 @@ std::vector<Passage> passages_in(const LineCrossings& all) {
     for (std::size_t k = 0; k + 1 < all.size(); ++k) {
         if (!is_passage(all[k], all[k + 1])) continue;
         const Crossing &start = all[k].crossing, &finish = all[k + 1].crossing;
-        std::vector<std::string> refusals{ambiguity_of(starts_of(all, k), finishes_of(all, k + 1)),
-                                          slow_crossing("start", start),
-                                          slow_crossing("finish", finish)};
+        std::vector<std::string> refusals{
+            ambiguity_of(alternatives_to(all, k), alternatives_to(all, k + 1)),
+            slow_crossing("start", start), slow_crossing("finish", finish)};
         std::erase(refusals, "");
         found.push_back({start, finish, fmt::format("{}", fmt::join(refusals, " "))});
     }

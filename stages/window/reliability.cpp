@@ -15,8 +15,8 @@ namespace {
 /// The model of screening's tests on these axes. Null if there is none.
 template <int Axes>
 const ScreeningModel* tested_model(const ScreenedTable& screened) {
-    constexpr TestedAxes axes = Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal;
-    const auto found = std::ranges::find(screened.basis.models, axes, &ScreeningModel::axes);
+    const auto found =
+        std::ranges::find(screened.basis.models, tested_axes<Axes>, &ScreeningModel::axes);
     return found == screened.basis.models.end() ? nullptr : &*found;
 }
 
@@ -26,8 +26,7 @@ std::vector<ArcEpoch<Axes>> tested_epochs(const ScreenedTable& screened, const A
                                           const WindowStretch<Axes>& stretch) {
     std::vector<ArcEpoch<Axes>> epochs = stretch.epochs;
     const EstimationModel model = model_of(*tested_model<Axes>(screened));
-    const auto factors =
-        kind_factors(screened.basis, Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal);
+    const auto factors = kind_factors(screened.basis, tested_axes<Axes>);
     for (std::size_t i = 0; i < epochs.size(); ++i) {
         const ScreenedEpoch& row = screened.rows[arc.rows[stretch.first + i]];
         epochs[i].jerk_factor = 1.0;

@@ -5,7 +5,7 @@
 
 #include "core/geodesy.h"
 #include "stages/window/velocity_moment.h"
-#include "witness/going_on.h"
+#include "witness/continuity.h"
 #include "witness/recorded_velocities.h"
 #include "witness/window_speed.h"
 
@@ -180,7 +180,7 @@ void add_apart(const ScreenedTable& screened, const Profile& profile, double reg
             if (k + 1 < rows.size())
                 step.after = velocity_between(epochs[k], epochs[k + 1], regular_s);
             const double step_s = seconds_between(epochs[k - 1], epochs[k]);
-            begins = step_s > regular_s || !goes_on(step, step_s);
+            begins = step_s > regular_s || !continues(step, step_s);
             velocity =
                 begins ? std::nullopt : velocity_between(epochs[k - 1], epochs[k], regular_s);
         }
@@ -282,9 +282,9 @@ IndicatedSeries indicated_by_pace(const ScreenedTable& screened, const Profile& 
             if (k + 1 < recorded.size())
                 step.after = velocity_between(row, screened.rows[recorded[k + 1]], regular_s);
             const bool out_of_time = is_out_of_time(before) || is_out_of_time(row);
-            const bool jumps =
-                (step_s <= 0.0 || step_s > regular_s) &&
-                (out_of_time ? goes_on(step, interval_s) : clock_jumped(step, step_s, interval_s));
+            const bool jumps = (step_s <= 0.0 || step_s > regular_s) &&
+                               (out_of_time ? continues(step, interval_s)
+                                            : clock_jumped(step, step_s, interval_s));
             begins = !jumps && step_s <= 0.0;
             if (jumps) {
                 indicated.jumps.push_back(recorded[k]);

@@ -59,7 +59,7 @@ IndicatedSeries indicated_series(const ScreenedTable& screened, const Profile& p
 
 /// Series in the order of the recording, epochs out of time included, with clock jumps removed. A
 /// step of the stamps counts as one interval where the positions continue as in one
-/// (`clock_jumped`; from and to an epoch out of time `goes_on`). Empty if the clock does not
+/// (`clock_jumped`; from and to an epoch out of time `continues`). Empty if the clock does not
 /// jump.
 IndicatedSeries indicated_by_pace(const ScreenedTable& screened, const Profile& profile,
                                   double gap_factor);

@@ -126,7 +126,7 @@ class LegByPositions {
         std::vector<EpochPair> windows;
         for (std::size_t first = 0; first < leg.windows.size(); first += every) {
             const std::size_t end = std::min(first + every, leg.windows.size());
-            EpochPair kept;
+            EpochPair representative;
             Eigen::VectorXd velocity;
             double highest = -std::numeric_limits<double>::infinity(), allowance = 0.0;
             bool is_chosen = false;
@@ -135,15 +135,16 @@ class LegByPositions {
                 const EpochPair window{found.first - reach.first, found.last - reach.first};
                 const double duration_s =
                     epochs_[window.last].time_s - epochs_[window.first].time_s;
-                Eigen::VectorXd moved = displacement(local, window.first, window.last) / duration_s;
+                Eigen::VectorXd mean_velocity =
+                    displacement(local, window.first, window.last) / duration_s;
                 if (models.by_path)
-                    moved.setConstant(
+                    mean_velocity.setConstant(
                         1, path.speed_m_s(window, duration_s, SpeedDefinition::path_length));
-                const double assured = moved.norm() - found.allowance_m_s;
+                const double assured = mean_velocity.norm() - found.allowance_m_s;
                 is_chosen = w == leg.chosen;
                 if (!is_chosen && w > first && !(assured > highest)) continue;
-                kept = window;
-                velocity = moved;
+                representative = window;
+                velocity = mean_velocity;
                 highest = assured;
                 allowance = found.allowance_m_s;
             }
@@ -152,7 +153,7 @@ class LegByPositions {
                                          velocity.end());
             rivals.allowances_m_s.push_back(allowance);
             rivals.legs.push_back(number);
-            windows.push_back(kept);
+            windows.push_back(representative);
         }
         const auto rows = std::ssize(windows) * rivals.components;
         stated_.resize(rows, columns);
@@ -340,14 +341,14 @@ SimulatedChoice ChoiceSimulation::operator()(const Eigen::VectorXd& errors,
     const auto of_chosen = [&](const Eigen::VectorXd& truth) {
         return velocity(truth, rivals_.chosen).normalized().dot(velocity(errors, rivals_.chosen));
     };
-    Eigen::VectorXd moved = likely_ + before;
-    draw_together(moved);
+    Eigen::VectorXd disturbed = likely_ + before;
+    draw_together(disturbed);
     const Fastest once = search(likely_, likely_ + errors);
-    const Fastest again = search(moved, moved + errors);
+    const Fastest again = search(disturbed, disturbed + errors);
     return {.error = once.error_m_s,
-            .calibrated =
-                2.0 * (once.error_m_s - of_chosen(likely_)) - (again.error_m_s - of_chosen(moved)),
-            .best_true = search(moved, moved).speed_m_s};
+            .calibrated = 2.0 * (once.error_m_s - of_chosen(likely_)) -
+                          (again.error_m_s - of_chosen(disturbed)),
+            .best_true = search(disturbed, disturbed).speed_m_s};
 }
 
 SelectionBias bias_between(const std::vector<SimulatedChoice>& least,

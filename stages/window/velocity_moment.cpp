@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/uncertainty.h"
+#include "stages/window/position_speed.h"
 #include "stages/window/sample_series.h"
 #include "witness/recorded_velocities.h"
 
@@ -43,11 +44,6 @@ SampleSigmas sigmas_of(const TrajectoryEpoch& row, Dimension dimension) {
             .position_m = std::max(sigmas.position_m, row.sigma_up_m.value_or(0.0)),
             .velocity_m_s = std::max(sigmas.velocity_m_s, row.sigma_velocity_up_m_s.value_or(0.0))};
     return sigmas;
-}
-
-double floor_m(const Profile& profile, FixType fix) {
-    const auto floor = profile.uncertainty.error_floor_m.find(std::string(to_text(fix)));
-    return floor == profile.uncertainty.error_floor_m.end() ? 0.0 : floor->second;
 }
 
 }  // namespace
@@ -167,7 +163,8 @@ SpeedEstimate track_speed(const ScreenedTable& screened, const TrajectoryTable& 
     double ends = 0.0, floors = 0.0;
     for (const std::size_t k : {found.first, found.last}) {
         ends += std::pow(sigmas_of(track.row(k), profile.dimension).position_m / duration_s, 2);
-        floors += std::pow(floor_m(profile, screened.rows[arc.rows[k]].fix) / duration_s, 2);
+        const FixType fix = screened.rows[arc.rows[k]].fix;
+        floors += std::pow(error_floor_m(profile.uncertainty, fix).value_or(0.0) / duration_s, 2);
     }
     double of_velocities = 0.0;
     for (std::size_t k = found.first; k <= found.last; ++k)

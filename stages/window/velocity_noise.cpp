@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/statistics.h"
+#include "stages/window/lasting_difference.h"
 #include "witness/recorded_velocities.h"
 
 namespace runcert {
@@ -99,13 +100,13 @@ double square(double value) {
 }
 
 /// The remainder after removing a part from a whole, all as standard deviations.
-double rest_of(double whole, double part) {
+double quadrature_difference(double whole, double part) {
     return std::sqrt(std::max(0.0, square(whole) - square(part)));
 }
 
 SpeedErrors as_stated(double stated_m_s, SpeedErrors errors) {
     errors.mean_white_m_s = std::min(errors.mean_white_m_s, stated_m_s);
-    errors.slow_m_s = rest_of(stated_m_s, errors.mean_white_m_s);
+    errors.slow_m_s = quadrature_difference(stated_m_s, errors.mean_white_m_s);
     errors.slow = SlowError::stated;
     return errors;
 }
@@ -141,10 +142,6 @@ std::optional<SpeedSpread> white_noise(std::span<const ComparedSpeed> compared, 
 }
 
 std::optional<SpeedScale> speed_scale(std::span<const ComparedSpeed> compared) {
-    struct Prior {
-        double probability = 0.0, sigma = 0.0;
-    };
-    constexpr Prior priors[] = {{0.95, 0.003}, {0.05, 0.02}};
     constexpr double spans_alike = 3.0;
     const std::vector<SpanOfSpeeds> spans = fast_spans(compared, ten_s);
     double products = 0.0, squares = 0.0, residuals = 0.0;
@@ -161,20 +158,20 @@ std::optional<SpeedScale> speed_scale(std::span<const ComparedSpeed> compared) {
     const double variance = spans_alike * scatter / squares;
     double weights = 0.0, values = 0.0, moments = 0.0;
     // Beside that of the wider prior, as both densities are 0 of a scale that is far off.
-    const double widest = square(priors[1].sigma) + variance;
-    for (const auto& [probability, sigma] : priors) {
+    const double widest = square(scale_priors[1].sigma) + variance;
+    for (const auto& [probability, sigma] : scale_priors) {
         const double of_both = square(sigma) + variance;
         const double weight =
             probability * std::exp(-0.5 * square(scale.shown) * (1.0 / of_both - 1.0 / widest)) /
             std::sqrt(of_both);
-        const double kept = square(sigma) / of_both;
+        const double gain = square(sigma) / of_both;
         weights += weight;
-        values += weight * kept * scale.shown;
-        moments += weight * (kept * variance + square(kept * scale.shown));
+        values += weight * gain * scale.shown;
+        moments += weight * (gain * variance + square(gain * scale.shown));
     }
     scale.shown_uncertainty = std::sqrt(variance);
     scale.value = values / weights;
-    scale.uncertainty = rest_of(std::sqrt(moments / weights), scale.value);
+    scale.uncertainty = quadrature_difference(std::sqrt(moments / weights), scale.value);
     return scale;
 }
 
@@ -238,9 +235,9 @@ SpeedErrors speed_errors(const SpeedNoise& noise, const StatedSpeedAccuracy& sta
     errors.slow = shown_m_s > least_slow_error_m_s ? SlowError::shown : SlowError::floor;
     errors.slow_m_s = std::max(least_slow_error_m_s, shown_m_s);
     if (is_short)
-        errors.brief_m_s =
-            rest_of(rest_of(noise.over_window->sd_m_s, shown_m_s), errors.mean_white_m_s);
-    const double stated_m_s = rest_of(stated.sigma_m_s, errors.mean_white_m_s);
+        errors.brief_m_s = quadrature_difference(
+            quadrature_difference(noise.over_window->sd_m_s, shown_m_s), errors.mean_white_m_s);
+    const double stated_m_s = quadrature_difference(stated.sigma_m_s, errors.mean_white_m_s);
     if (noise.positions_m_s >= stated.sigma_m_s && stated_m_s > errors.slow_m_s) {
         errors.slow_m_s = stated_m_s;
         errors.slow = SlowError::stated;

@@ -36,8 +36,8 @@ struct SpeedScale {
 
 /// The scale of the recorded speeds beside the path of the smoothed track, over spans of 10 s as
 /// for `span_spread`. Neighbouring spans err alike, so that a third of them count as independent.
-/// What they show is weighed against the prior of receivers: normal with a standard deviation of
-/// 0.3 %, and for one receiver in twenty of 2 %. Empty without five spans.
+/// What they show is weighed against the prior of receivers: `scale_priors`. Empty without five
+/// spans.
 std::optional<SpeedScale> speed_scale(std::span<const ComparedSpeed> compared);
 
 /// Root mean square difference between the mean recorded speed over `span_s`, less its `scale`,

@@ -53,8 +53,9 @@ void add_gauss_markov(const std::vector<double>& time_s, double sigma, double ta
                       const double* normals, std::vector<double>& errors) {
     double value = 0.0;
     for (std::size_t k = 0; k < time_s.size(); ++k) {
-        const double kept = k > 0 ? std::exp(-std::abs(time_s[k] - time_s[k - 1]) / tau_s) : 0.0;
-        value = kept * value + std::sqrt(1.0 - kept * kept) * normals[k];
+        const double correlation =
+            k > 0 ? std::exp(-std::abs(time_s[k] - time_s[k - 1]) / tau_s) : 0.0;
+        value = correlation * value + std::sqrt(1.0 - correlation * correlation) * normals[k];
         errors[k] += sigma * value;
     }
 }

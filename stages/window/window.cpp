@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <exception>
 #include <iterator>
 #include <limits>
 #include <map>
@@ -33,25 +32,37 @@ namespace runcert {
 namespace {
 
 /// Where the craft stood, by what was handed in beside the recording or by its positions.
-std::vector<Stand> stands_beside(const ScreenedTable& screened, const TrajectoryTable& trajectory,
-                                 const WitnessRecords& beside) {
-    const auto& series = beside.handed_in.series;
+std::vector<Stand> stands_in(const ScreenedTable& screened, const TrajectoryTable& trajectory,
+                             const WitnessRecords& records) {
+    const auto& series = records.handed_in.series;
     const auto wheel = series.find("wheel");
-    return stands_of(screened, trajectory, beside.still_by_imu,
+    return stands_of(screened, trajectory, records.still_by_imu,
                      wheel == series.end() ? nullptr : &wheel->second);
 }
 
+/// The data in which a profile's windows are searched.
+struct Candidates {
+    const ScreenedTable& screened;
+    const TrajectoryTable& trajectory;
+    const std::vector<ArcRows>& rows;
+    const Profile& profile;
+    const std::optional<SurveyedCourse>& gates;
+    WindowCriteria rule;
+    std::vector<SampleSeries> series;
+    bool files_attested = true;  ///< whether second files count
+};
+
 /// The data from which the profiles of one receiver are searched and certified.
-class Certifier {
+class ReceiverEstimates {
   public:
-    Certifier(const ScreenedTable& screened, const TrajectoryTable& trajectory,
-              const std::vector<Profile>& profiles, const WindowConfig& config,
-              const WitnessRecords& beside)
+    ReceiverEstimates(const ScreenedTable& screened, const TrajectoryTable& trajectory,
+                      const std::vector<Profile>& profiles, const WindowConfig& config,
+                      const WitnessRecords& records)
         : screened_(screened),
           trajectory_(trajectory),
-          inertial_(beside.inertial),
-          horizontal_(estimate_of<2>(screened, trajectory, config, beside,
-                                     stands_beside(screened, trajectory, beside))) {
+          inertial_(records.inertial),
+          horizontal_(estimate_of<2>(screened, trajectory, config, records,
+                                     stands_in(screened, trajectory, records))) {
         const auto of_craft = [](const Profile& profile) {
             return profile.speed_of == SpeedOf::reference_point;
         };
@@ -62,7 +73,7 @@ class Certifier {
         };
         if (has_heights() && std::ranges::any_of(profiles, of_heights))
             vertical_.emplace(
-                estimate_of<1>(screened, trajectory, config, beside, horizontal_.stands));
+                estimate_of<1>(screened, trajectory, config, records, horizontal_.stands));
         for (const Profile& profile : profiles)
             if (profile.speed_source == SpeedSource::velocity &&
                 !velocities_.contains(profile.dimension))
@@ -79,22 +90,20 @@ class Certifier {
 
     /// The witnesses that cover a window: a bit for each that confirms, or that contradicts another
     /// window (`contradicting`).
-    std::uint64_t covering(const Profile& profile, const FoundWindow& found, bool files_answered,
+    std::uint64_t covering(const Candidates& among, const FoundWindow& found,
                            std::uint64_t contradicting) const {
         const std::vector<ElapsedTime>& times = horizontal_.times[found.series];
-        return witnesses_that(profile, files_answered, [&](const auto& one, std::uint64_t bit) {
+        return witnesses_that(among, [&](const auto& one, std::uint64_t bit) {
             return !one.is_copy && (one.confirms || (contradicting & bit) != 0) &&
                    one.motion->between(times[found.first].seconds(), times[found.last].seconds());
         });
     }
 
     /// The witnesses that contradict a certified window.
-    std::uint64_t contradicting(const Profile& profile, const CertifiableWindow& window,
-                                bool files_answered) const {
-        return witnesses_that(profile, files_answered, [&](const auto& witness, std::uint64_t) {
+    std::uint64_t contradicting(const Candidates& among, const CertifiableWindow& window) const {
+        return witnesses_that(among, [&](const auto& witness, std::uint64_t) {
             return std::ranges::any_of(window.witnesses, [&](const WitnessedSpeed& one) {
-                return contradicts(one) && one.kind == witness.kind &&
-                       one.receiver == witness.receiver;
+                return contradicts(one) && is_same_witness(one, witness);
             });
         });
     }
@@ -121,11 +130,11 @@ class Certifier {
 
     /// Whether second files can change what is certified under the profile.
     bool depends_on_files(const Profile& profile) const {
-        using Heard = HeardWitness<2>;
+        using Assessed = AssessedWitness<2>;
         return profile.speed_source != SpeedSource::velocity &&
                (counts_craft(profile) ||
-                !std::ranges::equal(horizontal_.witnesses, horizontal_.unanswered, {},
-                                    &Heard::confirms, &Heard::confirms));
+                !std::ranges::equal(horizontal_.witnesses, horizontal_.unattested, {},
+                                    &Assessed::confirms, &Assessed::confirms));
     }
 
     /// Whether windows are those of the reference point by the IMU.
@@ -139,8 +148,8 @@ class Certifier {
     /// estimated for them, and windows that they do not cover, contradict or fail to confirm.
     std::vector<std::string> witness_notes(const std::vector<Profile>& profiles,
                                            const std::vector<ProfileWindows>& windows,
-                                           const WitnessRecords& beside) const {
-        std::vector<std::string> notes = unheard(beside, horizontal_.witnesses);
+                                           const WitnessRecords& records) const {
+        std::vector<std::string> notes = unused_witness_notes(records, horizontal_.witnesses);
         if (std::string stood = standing_text(stands()); !stood.empty())
             notes.push_back(std::move(stood));
         if (const LastingDifference& lasting = horizontal_.lasting; lasting.size_m_s > 0.0)
@@ -155,7 +164,7 @@ class Certifier {
                                   100.0 * std::abs(lasting.scale),
                                   lasting.scale > 0.0 ? "high" : "low")
                     : "one of the two is wrong, and the recording does not tell which"));
-        for (const HeardWitness<2>& witness : horizontal_.witnesses) {
+        for (const AssessedWitness<2>& witness : horizontal_.witnesses) {
             if (!witness.note.empty()) notes.push_back(witness.note);
             if (witness.is_copy) continue;
             for (std::size_t i = 0; i < windows.size(); ++i) {
@@ -163,10 +172,9 @@ class Certifier {
                 if (!best || profiles[i].dimension == Dimension::vertical ||
                     profiles[i].speed_source == SpeedSource::velocity)
                     continue;
-                const auto said =
-                    std::ranges::find_if(best->witnesses, [&](const WitnessedSpeed& one) {
-                        return one.kind == witness.kind && one.receiver == witness.receiver;
-                    });
+                const auto said = std::ranges::find_if(
+                    best->witnesses,
+                    [&](const WitnessedSpeed& one) { return is_same_witness(one, witness); });
                 std::string note = said == best->witnesses.end()
                                        ? silence_text(witness, trajectory_, windows[i].profile)
                                    : contradicts(*said)
@@ -179,36 +187,46 @@ class Certifier {
         return notes;
     }
 
-    CertifiableWindow certify(const Profile& profile, FoundWindow found,
+    /// Certifies a window by the source of speed and in the dimension that its rule asks for.
+    CertifiableWindow certify(const Candidates& among, FoundWindow found,
                               const std::vector<FoundWindow>& all,
-                              const std::optional<SurveyedCourse>& gates, bool files_answered,
                               std::span<const Contradiction> contradictions,
                               CertificateExtent extent = CertificateExtent::whole) const {
+        const Profile& profile = among.profile;
         const bool by_velocities = profile.speed_source == SpeedSource::velocity;
-        if (profile.window_kind == WindowKind::course && !by_velocities)
-            return certify_course(profile, found, all, *gates, files_answered, contradictions,
-                                  extent);
+        const bool over_course = profile.window_kind == WindowKind::course && !by_velocities;
+        std::vector<FoundWindow> refined;
+        if (over_course) refined = refine_crossings(profile, *among.gates, all, found);
         const auto choice = [&](Dimension dimension) {
-            return WindowChoice{
+            WindowChoice one{
                 .profile = profile,
                 .found = found,
-                .all = all,
+                .all = over_course ? refined : all,
                 .quantity = quantity_of(profile),
                 .craft = by_velocities ? std::nullopt : craft_of(profile, found, dimension),
-                // Of the two parts of a speed in space a witness may have heard
+                // Of the two parts of a speed in space a witness may cover
                 // one, and each budget counts its own share of it.
-                .by_positions_alone = profile.dimension == Dimension::space,
-                .files_answered = files_answered,
+                .by_positions_alone = profile.dimension == Dimension::space && !over_course,
+                .files_attested = among.files_attested,
                 .contradictions = contradictions,
                 .extent = extent};
+            if (!over_course) return one;
+            one.quantity.length_m = among.gates->length_m;
+            one.quantity.start_normal = along_course(among.gates->start);
+            one.quantity.finish_normal = along_course(among.gates->finish);
+            one.length_standard_uncertainty_m = among.gates->length_standard_uncertainty_m;
+            return one;
         };
         if (by_velocities)
-            return certified(velocities_.at(profile.dimension), choice(profile.dimension));
-        if (profile.dimension == Dimension::vertical)
-            return certified(*vertical_, choice(Dimension::vertical));
-        const CertifiableWindow level = certified(horizontal_, choice(Dimension::horizontal));
-        return profile.dimension == Dimension::space
-                   ? in_space(level, certified(*vertical_, choice(Dimension::vertical)))
+            return certify_by_velocities(velocities_.at(profile.dimension),
+                                         choice(profile.dimension));
+        if (profile.dimension == Dimension::vertical && !over_course)
+            return certify_by_positions(*vertical_, choice(Dimension::vertical));
+        const CertifiableWindow level =
+            certify_by_positions(horizontal_, choice(Dimension::horizontal));
+        return profile.dimension == Dimension::space && !over_course
+                   ? speed_in_space(level,
+                                    certify_by_positions(*vertical_, choice(Dimension::vertical)))
                    : level;
     }
 
@@ -222,8 +240,7 @@ class Certifier {
     }
 
   private:
-    std::uint64_t witnesses_that(const Profile& profile, bool files_answered,
-                                 const auto& is) const {
+    std::uint64_t witnesses_that(const Candidates& among, const auto& is) const {
         const auto bits = [&](const auto& witnesses) {
             std::uint64_t found = 0;
             for (std::size_t i = 0; i < witnesses.size(); ++i)
@@ -231,9 +248,10 @@ class Certifier {
                     found |= bit;
             return found;
         };
-        if (profile.speed_source == SpeedSource::velocity) return 0;
-        return profile.dimension == Dimension::vertical ? bits(heard(*vertical_, files_answered))
-                                                        : bits(heard(horizontal_, files_answered));
+        if (among.profile.speed_source == SpeedSource::velocity) return 0;
+        return among.profile.dimension == Dimension::vertical
+                   ? bits(admitted_witnesses(*vertical_, among.files_attested))
+                   : bits(admitted_witnesses(horizontal_, among.files_attested));
     }
 
     std::optional<CraftCorrection> craft_of(const Profile& profile, const FoundWindow& found,
@@ -251,28 +269,25 @@ class Certifier {
         return craft;
     }
 
-    /// Certifies a course with the crossings of the smoothed track, in place of those of straight
-    /// lines between epochs.
-    CertifiableWindow certify_course(const Profile& profile, FoundWindow found,
-                                     std::vector<FoundWindow> all, const SurveyedCourse& gates,
-                                     bool files_answered,
-                                     std::span<const Contradiction> contradictions,
-                                     CertificateExtent extent) const {
-        const auto same = [&](const FoundWindow& one) {
+    /// Moves a window over a course to the crossings of the smoothed track, in place of those of
+    /// straight lines between epochs. Returns all windows, with this one among them.
+    std::vector<FoundWindow> refine_crossings(const Profile& profile, const SurveyedCourse& gates,
+                                              std::vector<FoundWindow> all,
+                                              FoundWindow& found) const {
+        const auto listed = std::ranges::find_if(all, [&](const FoundWindow& one) {
             return one.series == found.series && one.start == found.start && one.end == found.end;
-        };
-        const auto listed = std::ranges::find_if(all, same);
+        });
         const auto& times = horizontal_.times[found.series];
         const Arc<2>& arc = horizontal_.arcs[found.series];
         const EpochPair enclosing{found.first, found.last};
         const ArcPart<2> part =
             part_around(arc, times, enclosing, memory_s(arc, enclosing, horizontal_.model));
         // The reference point's crossings were found on its own track.
+        const CrossingTimes straight{.start = found.start, .end = found.end};
         const CrossingTimes crossed =
-            counts_craft(profile) ? CrossingTimes{.start = found.start, .end = found.end}
+            counts_craft(profile) ? straight
                                   : smoothed_crossings(part.arc, part.times, horizontal_.model,
-                                                       {.start = found.start, .end = found.end},
-                                                       gates.start, gates.finish);
+                                                       straight, gates.start, gates.finish);
         found.start = crossed.start;
         found.end = crossed.end;
         found.first =
@@ -280,22 +295,9 @@ class Certifier {
             1;
         found.last =
             static_cast<std::size_t>(std::ranges::lower_bound(times, found.end) - times.begin());
-        found.speed_m_s = gates.length_m / (found.end.seconds() - found.start.seconds());
+        found.speed_m_s = gates.length_m / found.duration_s();
         if (listed != all.end()) *listed = found;
-        SpeedQuantity quantity = quantity_of(profile);
-        quantity.length_m = gates.length_m;
-        quantity.start_normal = along_course(gates.start);
-        quantity.finish_normal = along_course(gates.finish);
-        return certified(horizontal_,
-                         {.profile = profile,
-                          .found = found,
-                          .all = all,
-                          .quantity = quantity,
-                          .length_standard_uncertainty_m = gates.length_standard_uncertainty_m,
-                          .craft = craft_of(profile, found, Dimension::horizontal),
-                          .files_answered = files_answered,
-                          .contradictions = contradictions,
-                          .extent = extent});
+        return all;
     }
 
     const ScreenedTable& screened_;
@@ -317,18 +319,6 @@ struct Choice {
     std::vector<FoundWindow> chosen;
     std::string missing;
     bool refused = false;  ///< a passage over the course was
-};
-
-/// The data in which a profile's windows are searched.
-struct Candidates {
-    const ScreenedTable& screened;
-    const TrajectoryTable& trajectory;
-    const std::vector<ArcRows>& rows;
-    const Profile& profile;
-    const std::optional<SurveyedCourse>& gates;
-    WindowCriteria rule;
-    std::vector<SampleSeries> series;
-    bool files_answered = true;  ///< whether second files count
 };
 
 Candidates candidates_of(const ScreenedTable& screened, const TrajectoryTable& trajectory,
@@ -459,7 +449,7 @@ std::string constant_speed_text(const ScreenedTable& screened, const TrajectoryT
         significant_text(fastest, 3));
 }
 
-FurtherWindow beside(const CertifiableWindow& window) {
+FurtherWindow further_window(const CertifiableWindow& window) {
     return {.span = window.span,
             .arc = window.arc,
             .speed_m_s = window.speed_m_s,
@@ -471,13 +461,12 @@ FurtherWindow beside(const CertifiableWindow& window) {
 }
 
 /// Each chosen window, certified among those that do not overlap a previously chosen one.
-std::vector<CertifiableWindow> certified_windows(const Certifier& certifier,
+std::vector<CertifiableWindow> certified_windows(const ReceiverEstimates& estimates,
                                                  const Candidates& among, Choice choice,
                                                  std::span<const Contradiction> contradictions) {
     std::vector<CertifiableWindow> certified;
     for (const FoundWindow& found : choice.chosen) {
-        certified.push_back(certifier.certify(among.profile, found, choice.all, among.gates,
-                                              among.files_answered, contradictions));
+        certified.push_back(estimates.certify(among, found, choice.all, contradictions));
         std::erase_if(choice.all, [&](const FoundWindow& one) { return overlap(one, found); });
     }
     return certified;
@@ -485,12 +474,12 @@ std::vector<CertifiableWindow> certified_windows(const Certifier& certifier,
 
 /// Whether every witness that contradicts the first windows covers each of the others. A window
 /// that it does not cover must not avoid the contradiction.
-bool hear_the_contradicting(const std::vector<CertifiableWindow>& others,
+bool cover_what_contradicts(const std::vector<CertifiableWindow>& others,
                             const std::vector<CertifiableWindow>& first) {
     const auto covers = [&](const WitnessedSpeed& contradicting) {
         return std::ranges::all_of(others, [&](const CertifiableWindow& window) {
             return std::ranges::any_of(window.witnesses, [&](const WitnessedSpeed& one) {
-                return one.kind == contradicting.kind && one.receiver == contradicting.receiver;
+                return is_same_witness(one, contradicting);
             });
         });
     };
@@ -533,10 +522,10 @@ bool are_fit(const std::vector<CertifiableWindow>& windows, const Profile& profi
 
 /// The few windows that are certified in the search for the best proof, and what they tell of all
 /// others.
-class BestFew {
+class ProofSearch {
   public:
-    BestFew(const Certifier& certifier, const Candidates& among)
-        : certifier_(certifier),
+    ProofSearch(const ReceiverEstimates& estimates, const Candidates& among)
+        : estimates_(estimates),
           among_(among),
           qualities_(among.screened, among.rows, among.profile) {}
 
@@ -549,11 +538,11 @@ class BestFew {
     bool learn(const FoundWindow& found, const CertifiableWindow& window) {
         bool is_new = contradicted({window}) && !is_wrong(found);
         if (contradicted({window})) wrong_.push_back(found);
-        contradicting_ |= certifier_.contradicting(among_.profile, window, among_.files_answered);
-        for (Contradiction& one : certifier_.contradictions_in(among_.profile, found, window)) {
+        contradicting_ |= estimates_.contradicting(among_, window);
+        for (Contradiction& one : estimates_.contradictions_in(among_.profile, found, window)) {
             const bool is_known = std::ranges::any_of(contradictions_, [&](const auto& other) {
-                return other.series == one.series && other.kind == one.kind &&
-                       other.receiver == one.receiver && other.window.first_s == one.window.first_s;
+                return other.series == one.series && is_same_witness(other, one) &&
+                       other.window.first_s == one.window.first_s;
             });
             if (is_known) continue;
             contradictions_.push_back(std::move(one));
@@ -578,7 +567,7 @@ class BestFew {
                              [&](const FoundWindow& one) { return one.speed_m_s > proven_m_s; });
         std::ranges::sort(fastest, preferred);
         for (int round = 1; round <= most_rounds; ++round) {
-            few_.clear();
+            trials_.clear();
             if (!learns_from(fastest, all, round == most_rounds)) break;
         }
     }
@@ -591,7 +580,7 @@ class BestFew {
         const bool is_slow = one.speed_m_s <= proven_m_s_;
         const WindowQuality quality = is_slow ? WindowQuality{} : quality_of(one);
         if (!is_slow && is_out(one, quality)) return none;
-        for (const Certified& other : few_) {
+        for (const Trial& other : trials_) {
             if (other.found.series == one.series && other.found.start == one.start &&
                 other.found.end == one.end)
                 return other.is_fit ? other.expanded_m_s : none;
@@ -605,7 +594,7 @@ class BestFew {
     }
 
   private:
-    struct Certified {
+    struct Trial {
         FoundWindow found;
         WindowQuality quality;
         double expanded_m_s = 0.0;
@@ -623,16 +612,15 @@ class BestFew {
         constexpr int most = 60;
         for (const FoundWindow& one : fastest) {
             const WindowQuality quality = quality_of(one);
-            if (is_out(one, quality) || std::ranges::any_of(few_, [&](const Certified& other) {
-                    return is_like(one, quality, other) || is_beside(one, other);
+            if (is_out(one, quality) || std::ranges::any_of(trials_, [&](const Trial& other) {
+                    return is_like(one, quality, other) || begins_near(one, other);
                 }))
                 continue;
-            if (std::ssize(few_) == most) break;
-            const CertifiableWindow window =
-                certifier_.certify(among_.profile, one, all, among_.gates, among_.files_answered,
-                                   contradictions_, CertificateExtent::to_compare);
+            if (std::ssize(trials_) == most) break;
+            const CertifiableWindow window = estimates_.certify(among_, one, all, contradictions_,
+                                                                CertificateExtent::to_compare);
             if (learn(one, window) && !is_last) return true;
-            few_.push_back(
+            trials_.push_back(
                 {.found = one,
                  .quality = quality,
                  .expanded_m_s = among_.profile.coverage_factor * window.standard_uncertainty_m_s,
@@ -650,8 +638,7 @@ class BestFew {
 
     WindowQuality quality_of(const FoundWindow& one) const {
         WindowQuality quality = qualities_(one);
-        quality.witnesses =
-            certifier_.covering(among_.profile, one, among_.files_answered, contradicting_);
+        quality.witnesses = estimates_.covering(among_, one, contradicting_);
         return quality;
     }
 
@@ -666,47 +653,46 @@ class BestFew {
     }
 
     /// Whether the certified window tells what this one would be certified with, or with less.
-    bool is_like(const FoundWindow& one, const WindowQuality& quality,
-                 const Certified& other) const {
+    bool is_like(const FoundWindow& one, const WindowQuality& quality, const Trial& other) const {
         return other.is_sound && other.is_fit && quality.no_better_than(other.quality) &&
                (other.agrees || overlap(one, other.found));
     }
 
     /// Whether both are suspect, and begin within a tenth of a window of one another.
-    bool is_beside(const FoundWindow& one, const Certified& other) const {
+    bool begins_near(const FoundWindow& one, const Trial& other) const {
         constexpr double near = 0.1;
         return is_suspect(one) && is_suspect(other.found) && one.series == other.found.series &&
                std::abs(one.start.seconds() - other.found.start.seconds()) <
                    near * one.duration_s();
     }
 
-    const Certifier& certifier_;
+    const ReceiverEstimates& estimates_;
     const Candidates& among_;
     WindowQualities qualities_;
     double proven_m_s_ = 0.0;
     std::uint64_t contradicting_ = 0;
     std::vector<FoundWindow> wrong_;
     std::vector<Contradiction> contradictions_;
-    std::vector<Certified> few_;
+    std::vector<Trial> trials_;
 };
 
 /// The fastest windows are not always the best proof. This also certifies those that may prove
 /// more, and takes them if they do by over a tenth of the fastest's uncertainty, or if the fastest
 /// cannot be certified as they are. The fastest is then given beside it.
-void certify_best(const Certifier& certifier, const Candidates& among, const Choice& fastest,
-                  ProfileWindows& entry) {
+void certify_best(const ReceiverEstimates& estimates, const Candidates& among,
+                  const Choice& fastest, ProfileWindows& entry) {
     constexpr double worth_it = 0.1;
     constexpr int most_searches = 5;
     if (fastest.chosen.empty()) return;
     const Profile& profile = among.profile;
-    BestFew few(certifier, among);
+    ProofSearch proofs(estimates, among);
     std::vector<CertifiableWindow> windows;
     const auto learn = [&](const Choice& choice, const std::vector<CertifiableWindow>& from) {
         for (std::size_t i = 0; i < from.size(); ++i)
-            few.learn(choice.chosen[i], from[i]);
+            proofs.learn(choice.chosen[i], from[i]);
     };
     const auto certify_fastest = [&] {
-        windows = certified_windows(certifier, among, fastest, few.contradictions());
+        windows = certified_windows(estimates, among, fastest, proofs.contradictions());
         learn(fastest, windows);
     };
     certify_fastest();
@@ -729,14 +715,14 @@ void certify_best(const Certifier& certifier, const Candidates& among, const Cho
         return least_m_s;
     };
     for (int search = 0; search < most_searches; ++search) {
-        const std::size_t known = few.contradictions().size();
-        few.certify(fastest.all, least_proven_m_s());
-        if (few.contradictions().size() > known && !contradicted(windows)) certify_fastest();
+        const std::size_t known = proofs.contradictions().size();
+        proofs.certify(fastest.all, least_proven_m_s());
+        if (proofs.contradictions().size() > known && !contradicted(windows)) certify_fastest();
         const Choice proof =
-            choose(among, [&](const FoundWindow& one) { return few.expanded_m_s(one); });
+            choose(among, [&](const FoundWindow& one) { return proofs.expanded_m_s(one); });
         if (proof.chosen.size() < fastest.chosen.size() ||
             std::ranges::any_of(proof.chosen,
-                                [&](const FoundWindow& one) { return few.is_wrong(one); }))
+                                [&](const FoundWindow& one) { return proofs.is_wrong(one); }))
             break;
         const auto gains = [&](double proof_m_s, double fastest_m_s) {
             return !are_fit(windows, profile) ||
@@ -748,26 +734,26 @@ void certify_best(const Certifier& certifier, const Candidates& among, const Cho
                 profile.coverage_factor * windows[i].standard_uncertainty_m_s;
         if (!gains(assured_m_s(proof.chosen), assured_m_s(compared))) break;
         std::vector<CertifiableWindow> proving =
-            certified_windows(certifier, among, proof, few.contradictions());
+            certified_windows(estimates, among, proof, proofs.contradictions());
         if (contradicted(proving)) {
             // What was found there holds for the fastest, too.
             learn(proof, proving);
             if (!contradicted(windows)) certify_fastest();
             continue;
         }
-        if (hear_the_contradicting(proving, windows) && are_fit(proving, profile) &&
+        if (cover_what_contradicts(proving, windows) && are_fit(proving, profile) &&
             gains(proven_m_s(proving, profile), proven_m_s(windows, profile))) {
-            entry.fastest = beside(windows.front());
+            entry.fastest = further_window(windows.front());
             windows = std::move(proving);
         }
         break;
     }
     entry.best = std::move(windows.front());
     for (std::size_t i = 1; i < windows.size(); ++i)
-        entry.further.push_back(beside(windows[i]));
+        entry.further.push_back(further_window(windows[i]));
 }
 
-/// The mean speed of windows, and the span of the first. Empty if there are too few.
+/// The mean speed of windows, and the span of the first. Empty if there are too proofs.
 std::optional<RuleScore> score_over(const ScreenedTable& screened,
                                     const std::vector<FoundWindow>& chosen,
                                     const std::vector<std::size_t>& rows, std::int64_t count) {
@@ -814,10 +800,10 @@ std::optional<RuleScore> score_of(const Candidates& certifiable, const WindowCon
 using BothWindows = std::array<ProfileWindows, 2>;
 
 /// These windows, in which no second file confirms anything.
-ProfileWindows unanswered(ProfileWindows windows, const WitnessRecords& beside) {
+ProfileWindows without_second_files(ProfileWindows windows, const WitnessRecords& records) {
     const auto mark = [&](auto& window) {
         for (WitnessedSpeed& one : window.witnesses)
-            if ((one.unanswered = is_second_file(one.kind, beside))) one.confirms = false;
+            if ((one.unanswered = is_second_file(one.kind, records))) one.confirms = false;
     };
     if (windows.best) mark(*windows.best);
     std::ranges::for_each(windows.further, mark);
@@ -826,61 +812,51 @@ ProfileWindows unanswered(ProfileWindows windows, const WitnessRecords& beside) 
 
 /// Certifies twice only where second files have a share in the result, or an IMU carries it. Of the
 /// two results the one that proves less stands before officials have answered.
-BothWindows certify_both(const Certifier& certifier, Candidates among, const Choice& fastest,
-                         const ProfileWindows& entry, const WitnessRecords& beside) {
+BothWindows certify_both(const ReceiverEstimates& estimates, Candidates among,
+                         const Choice& fastest, const ProfileWindows& entry,
+                         const WitnessRecords& records) {
     BothWindows both{entry, entry};
     auto& [before, after] = both;
-    certify_best(certifier, among, fastest, after);
-    if (!certifier.depends_on_files(among.profile)) return {after, after};
-    if (certifier.counts_craft(among.profile)) {
+    certify_best(estimates, among, fastest, after);
+    if (!estimates.depends_on_files(among.profile)) return {after, after};
+    if (estimates.counts_craft(among.profile)) {
         before.missing =
             "the rule counts the speed of the craft's reference point, which the IMU alone gives: "
             "an official must first answer for it (imu-as-measured)";
         return both;
     }
-    among.files_answered = false;
-    certify_best(certifier, among, fastest, before);
+    among.files_attested = false;
+    certify_best(estimates, among, fastest, before);
     const auto proven_m_s = [&](const ProfileWindows& one) {
         const auto figure = figure_of(one);
         return figure ? figure->speed_m_s -
                             expanded_uncertainty_by_rule_m_s(*figure, among.profile.coverage_factor)
                       : 0.0;
     };
-    if (proven_m_s(after) < proven_m_s(before)) before = unanswered(after, beside);
+    if (proven_m_s(after) < proven_m_s(before)) before = without_second_files(after, records);
     return both;
 }
 
 BothWindows windows_of(const ScreenedTable& screened, const TrajectoryTable& trajectory,
-                       const Certifier& certifier, const Profile& profile,
+                       const ReceiverEstimates& estimates, const Profile& profile,
                        const WindowConfig& config, const std::optional<SurveyedCourse>& gates,
-                       const WitnessRecords& beside) {
-    ProfileWindows entry{.profile = profile.id,
-                         .rule = rule_of(profile),
-                         .candidates = 0,
-                         .missing = {},
-                         .best = std::nullopt,
-                         .fastest = std::nullopt,
-                         .further = {},
-                         .part = counted_part(screened, trajectory, profile, config.part, gates),
-                         .score = std::nullopt,
-                         .indicated = std::nullopt};
+                       const WitnessRecords& records) {
+    ProfileWindows entry;
+    entry.profile = profile.id;
+    entry.rule = rule_of(profile);
+    entry.part = counted_part(screened, trajectory, profile, config.part, gates);
     entry.indicated = fastest_indicated(screened, profile, config, gates, entry.part);
     if (entry.part && !entry.part->from) {
         entry.missing = fmt::format("{}", fmt::join(entry.part->missing, "; "));
         return {entry, entry};
     }
-    if (profile.dimension != Dimension::horizontal && !certifier.has_heights()) {
-        entry.missing = "the recording has no heights that could be estimated";
-        return {entry, entry};
-    }
-    if (std::string unknown = certifier.craft_is_unknown(profile, config); !unknown.empty()) {
-        entry.missing = std::move(unknown);
-        return {entry, entry};
-    }
-    entry.missing = constant_speed_text(screened, trajectory, profile);
+    entry.missing = profile.dimension != Dimension::horizontal && !estimates.has_heights()
+                        ? "the recording has no heights that could be estimated"
+                        : estimates.craft_is_unknown(profile, config);
+    if (entry.missing.empty()) entry.missing = constant_speed_text(screened, trajectory, profile);
     if (!entry.missing.empty()) return {entry, entry};
-    const Candidates among = candidates_of(screened, certifier.trajectory_for(profile),
-                                           certifier.rows(), profile, config, gates, entry.part);
+    const Candidates among = candidates_of(screened, estimates.trajectory_for(profile),
+                                           estimates.rows(), profile, config, gates, entry.part);
     entry.score = score_of(among, config, entry.part);
     const Choice choice = choose(among);
     entry.candidates = std::ssize(choice.all);
@@ -893,23 +869,7 @@ BothWindows windows_of(const ScreenedTable& screened, const TrajectoryTable& tra
         entry.missing =
             "as recorded the track passes over the course, but not within one stretch of usable "
             "epochs";
-    return certify_both(certifier, among, choice, entry, beside);
-}
-
-/// Profiles are certified in parallel. Which of several failures is reported must not depend on
-/// timing.
-struct ProfileOrFailure {
-    std::optional<BothWindows> windows;
-    std::exception_ptr failure;
-};
-
-template <class Task>
-ProfileOrFailure result_or_failure(const Task& task) {
-    try {
-        return {task(), nullptr};
-    } catch (...) {
-        return {std::nullopt, std::current_exception()};
-    }
+    return certify_both(estimates, among, choice, entry, records);
 }
 
 }  // namespace
@@ -935,35 +895,32 @@ WindowConfig window_config(const Attempt& attempt, const Receiver& receiver) {
 
 Windows find_windows(const ScreenedTable& screened, const TrajectoryTable& trajectory,
                      const std::vector<Profile>& profiles, const WindowConfig& config,
-                     const std::optional<Course>& course, const WitnessRecords& beside) {
+                     const std::optional<Course>& course, const WitnessRecords& records) {
     Windows windows;
     windows.receiver = trajectory.facts.receiver;
     windows.first_epoch = trajectory.facts.first_epoch;
     windows.georeferenced = trajectory.facts.georeferenced;
-    const Certifier certifier(screened, trajectory, profiles, config, beside);
+    const ReceiverEstimates estimates(screened, trajectory, profiles, config, records);
     std::optional<SurveyedCourse> gates;
     if (course) gates = surveyed_course(*course, trajectory.origin);
     const auto one = [&](std::int64_t i) {
         const Profile& profile = profiles[static_cast<std::size_t>(i)];
-        return result_or_failure([&] {
-            if (profile.window_kind == WindowKind::course && !gates)
-                throw Failure("attempt", "the profile " + profile.id + " needs a course",
-                              "Run runcert-import again, with the same attempt");
-            return windows_of(screened, trajectory, certifier, profile, config, gates, beside);
-        });
+        if (profile.window_kind == WindowKind::course && !gates)
+            throw Failure("attempt", "the profile " + profile.id + " needs a course",
+                          "Run runcert-import again, with the same attempt");
+        return windows_of(screened, trajectory, estimates, profile, config, gates, records);
     };
-    for (ProfileOrFailure& entry : results_of(std::ssize(profiles), threads_allowed(), one)) {
-        if (entry.failure) std::rethrow_exception(entry.failure);
-        windows.profiles.push_back(std::move(entry.windows->front()));
-        windows.with_files.push_back(std::move(entry.windows->back()));
+    for (auto& [before, after] : results_of(std::ssize(profiles), threads_allowed(), one)) {
+        windows.profiles.push_back(std::move(before));
+        windows.with_files.push_back(std::move(after));
     }
     const auto depends = [&](const Profile& profile) {
-        return certifier.depends_on_files(profile);
+        return estimates.depends_on_files(profile);
     };
     if (std::ranges::none_of(profiles, depends)) windows.with_files.clear();
     set_courses(trajectory, windows);
-    windows.stands = certifier.stands();
-    windows.witness_notes = certifier.witness_notes(profiles, windows.profiles, beside);
+    windows.stands = estimates.stands();
+    windows.witness_notes = estimates.witness_notes(profiles, windows.profiles, records);
     return windows;
 }
 

@@ -44,13 +44,13 @@ WindowConfig window_config(const Attempt& attempt, const Receiver& receiver);
 /// (`error_bound`), with the budget's combined uncertainty. The speeds with the fitted noise and by
 /// the robust solution are given beside it.
 ///
-/// `course` comes from the attempt; `beside` are other witnesses of the positions. Failure if a
+/// `course` comes from the attempt; `records` are other witnesses of the positions. Failure if a
 /// profile needs a course and there is none, or if the trajectory is not the estimate from these
 /// screened epochs.
 Windows find_windows(const ScreenedTable& screened, const TrajectoryTable& trajectory,
                      const std::vector<Profile>& profiles, const WindowConfig& config,
                      const std::optional<Course>& course = std::nullopt,
-                     const WitnessRecords& beside = {});
+                     const WitnessRecords& records = {});
 
 /// The window that shows most in the unscreened recording, certifiable or not. It is judged by its
 /// positions or its recorded velocities and their stated standard deviations. A sentence gives each

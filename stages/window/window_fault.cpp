@@ -88,7 +88,7 @@ WindowFault window_fault(const ScreenedTable& screened, const FoundWindow& found
                          const std::vector<FoundWindow>& all, EpochPair rows,
                          const std::vector<UndetectedError>& reliability, bool by_path,
                          double probability, const LastingDifference& lasting) {
-    const double duration_s = found.end.seconds() - found.start.seconds();
+    const double duration_s = found.duration_s();
     WindowFault fault;
     const FixErrors errors = errors_in(screened, rows);
     constexpr double of_disturbed = 5.0;

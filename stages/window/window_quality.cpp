@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
 
 #include "schemas/observations/stated_covariance.h"
+#include "stages/window/position_speed.h"
 #include "stages/window/sample_series.h"
 
 namespace runcert {
@@ -13,9 +13,8 @@ namespace {
 /// The stated variance of an epoch's position (m^2), in the dimension that the profile counts, and
 /// not below the square of the floor that it sets for the fix type.
 double stated_variance(const ScreenedEpoch& row, const Profile& profile) {
-    const auto floor = profile.uncertainty.error_floor_m.find(std::string(to_text(row.fix)));
-    const double least =
-        floor == profile.uncertainty.error_floor_m.end() ? 0.0 : floor->second * floor->second;
+    const double floor_m = error_floor_m(profile.uncertainty, row.fix).value_or(0.0);
+    const double least = floor_m * floor_m;
     const double level = std::max(least, 0.5 * stated_covariance<2>(row).trace());
     const double upright = std::max(least, stated_covariance<1>(row).trace());
     if (profile.dimension == Dimension::horizontal) return level;

@@ -58,11 +58,6 @@ Combination combination_of(const SpeedEvidence& evidence, double fault_m_s,
     return found;
 }
 
-void scale(BudgetRow& row, double factor) {
-    row.sensitivity *= factor;
-    row.contribution_m_s *= factor;
-}
-
 /// The budget of the weighted mean, from that of the positions alone. The witnesses are those with
 /// a share, in the order of the combination's speeds.
 std::vector<BudgetRow> rows_of(std::vector<BudgetRow> rows, const Combination& of,
@@ -112,22 +107,22 @@ std::vector<BudgetRow> rows_of(std::vector<BudgetRow> rows, const Combination& o
 }
 
 /// The witnesses that count: those that confirm, if nothing contradicts.
-std::vector<WitnessedSpeed*> heard_of(std::vector<WitnessedSpeed>& witnesses,
-                                      SpeedEvidence& evidence) {
-    std::vector<WitnessedSpeed*> heard;
+std::vector<WitnessedSpeed*> confirming_witnesses(std::vector<WitnessedSpeed>& witnesses,
+                                                  SpeedEvidence& evidence) {
+    std::vector<WitnessedSpeed*> confirming;
     for (WitnessedSpeed& one : witnesses)
         if (one.confirms) {
-            heard.push_back(&one);
+            confirming.push_back(&one);
             evidence.witnesses.push_back(
                 evidence_of(one, evidence.slow_standard_uncertainty_m_s, 0.0));
         }
     // A single witness is judged on its own.
-    if (heard.size() > 1) evidence.disagreement = disagreement(speeds_of(evidence, 0.0));
+    if (confirming.size() > 1) evidence.disagreement = disagreement(speeds_of(evidence, 0.0));
     if (evidence.disagreement > 1.0 || std::ranges::any_of(witnesses, &contradicts)) {
         evidence.witnesses.clear();
-        heard.clear();
+        confirming.clear();
     }
-    return heard;
+    return confirming;
 }
 
 }  // namespace
@@ -138,9 +133,9 @@ SpeedBySource positions_of(const std::vector<BudgetRow>& rows, const FaultPrior&
             .fault = fault};
 }
 
-WitnessedBudget beside_witnesses(const std::vector<BudgetRow>& alone, const WindowFault& fault,
-                                 const SelectionBias& selection,
-                                 std::vector<WitnessedSpeed> witnesses) {
+WitnessedBudget combine_with_witnesses(const std::vector<BudgetRow>& alone,
+                                       const WindowFault& fault, const SelectionBias& selection,
+                                       std::vector<WitnessedSpeed> witnesses) {
     const SpeedBySource positions = positions_of(alone);
     WitnessedBudget found{.witnesses = std::move(witnesses), .rows = {}, .evidence = {}};
     SpeedEvidence& evidence = found.evidence;
@@ -151,24 +146,24 @@ WitnessedBudget beside_witnesses(const std::vector<BudgetRow>& alone, const Wind
     evidence.chosen_fault_probability = fault.chosen_probability;
     evidence.fault_m_s = fault.prior.largest_m_s;
     evidence.fault_upwards_alone = fault.prior.upwards_alone;
-    const std::vector<WitnessedSpeed*> heard = heard_of(found.witnesses, evidence);
+    const std::vector<WitnessedSpeed*> confirming = confirming_witnesses(found.witnesses, evidence);
     const auto with_fault = [&](double times) {
         const double fault_m_s = fault.standard_uncertainty_m_s(times);
         std::vector<BudgetRow> rows = alone;
         for (BudgetRow& row : rows)
             if (row.touches == RowScope::fault)
                 row.contribution_m_s = row.standard_uncertainty = fault_m_s;
-        return combine(
-                   rows_of(std::move(rows), combination_of(evidence, fault_m_s, selection), heard))
+        return combine(rows_of(std::move(rows), combination_of(evidence, fault_m_s, selection),
+                               confirming))
             .standard_uncertainty;
     };
     evidence.at_a_fifth_m_s = with_fault(0.2);
     evidence.at_five_times_m_s = with_fault(5.0);
     const Combination combination =
         combination_of(evidence, uncertainty_of(alone, {RowScope::fault}), selection);
-    for (std::size_t i = 0; i < heard.size(); ++i)
-        heard[i]->share = combination.mean.weights[i + 1];
-    found.rows = rows_of(alone, combination, heard);
+    for (std::size_t i = 0; i < confirming.size(); ++i)
+        confirming[i]->share = combination.mean.weights[i + 1];
+    found.rows = rows_of(alone, combination, confirming);
     found.position_share = combination.mean.weights.front();
     found.bias_m_s = combination.bias_m_s;
     evidence.difference_m_s = combination.remaining_difference_m_s;
@@ -192,8 +187,8 @@ double least_expanded_m_s(const SpeedEvidence& evidence, double speed_m_s, doubl
     return is_likelier ? half_width_m_s : std::min(half_width_m_s, alone_m_s);
 }
 
-void hold_mixture(double coverage_factor, const std::vector<BudgetRow>& alone,
-                  CertifiableWindow& window) {
+void cover_fault_mixture(double coverage_factor, const std::vector<BudgetRow>& alone,
+                         CertifiableWindow& window) {
     if (window.witnesses.empty()) return;
     const double bias_m_s = window.bias_limit_m_s;
     const double alone_m_s = coverage_factor * combine(alone).standard_uncertainty + bias_m_s;
@@ -212,8 +207,8 @@ void hold_mixture(double coverage_factor, const std::vector<BudgetRow>& alone,
         *other = std::hypot(*other, window.budget.back().contribution_m_s);
 }
 
-double expected_beside_velocities(const std::vector<BudgetRow>& rows, double own_uncertainty_m_s,
-                                  double bias_limit_m_s, double duration_s, double interval_s) {
+double expected_with_velocities(const std::vector<BudgetRow>& rows, double own_uncertainty_m_s,
+                                double bias_limit_m_s, double duration_s, double interval_s) {
     constexpr double sigma_at_epoch_m_s = 0.1;  // data sheets: 0.05 to 0.1 m/s
     constexpr double median_of_normal = 0.6745;
     WitnessedSpeed velocities;
@@ -223,8 +218,9 @@ double expected_beside_velocities(const std::vector<BudgetRow>& rows, double own
     velocities.difference_m_s =
         median_of_normal * std::hypot(own_uncertainty_m_s, velocities.standard_uncertainty_m_s);
     WindowFault fault;
-    const WitnessedBudget beside = beside_witnesses(rows, fault, {}, {velocities});
-    return 2.0 * combine(beside.rows).standard_uncertainty + beside.position_share * bias_limit_m_s;
+    const WitnessedBudget combined = combine_with_witnesses(rows, fault, {}, {velocities});
+    return 2.0 * combine(combined.rows).standard_uncertainty +
+           combined.position_share * bias_limit_m_s;
 }
 
 }  // namespace runcert

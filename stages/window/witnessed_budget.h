@@ -39,9 +39,9 @@ struct WitnessedBudget {
 /// not share them, row s as far as they do. The stated speed is that by positions, so that the
 /// difference remains (row e). The positions' part of the bias of the choice is told by the
 /// witnesses between its limits, as far as they count.
-WitnessedBudget beside_witnesses(const std::vector<BudgetRow>& alone, const WindowFault& fault,
-                                 const SelectionBias& selection,
-                                 std::vector<WitnessedSpeed> witnesses);
+WitnessedBudget combine_with_witnesses(const std::vector<BudgetRow>& alone,
+                                       const WindowFault& fault, const SelectionBias& selection,
+                                       std::vector<WitnessedSpeed> witnesses);
 
 /// Least expanded uncertainty (m/s) beside witnesses: the half-width about the stated speed of the
 /// mixture whose fault probability is printed, with the coverage of two standard deviations.
@@ -54,14 +54,14 @@ double least_expanded_m_s(const SpeedEvidence& evidence, double speed_m_s, doubl
 
 /// Adds row x to the budget of a window that has witnesses, so that its expanded uncertainty is at
 /// least that. `alone` is the budget by positions alone.
-void hold_mixture(double coverage_factor, const std::vector<BudgetRow>& alone,
-                  CertifiableWindow& window);
+void cover_fault_mixture(double coverage_factor, const std::vector<BudgetRow>& alone,
+                         CertifiableWindow& window);
 
 /// Expanded uncertainty (k = 2, m/s) to be expected for a window if a receiver's velocities were
 /// also available. They are assumed to err by 0.1 m/s at each epoch, and by at least
 /// `least_velocity_sigma_m_s` overall. They are assumed to differ from the positions by the median
 /// that chance makes of the positions' own errors.
-double expected_beside_velocities(const std::vector<BudgetRow>& rows, double own_uncertainty_m_s,
-                                  double bias_limit_m_s, double duration_s, double interval_s);
+double expected_with_velocities(const std::vector<BudgetRow>& rows, double own_uncertainty_m_s,
+                                double bias_limit_m_s, double duration_s, double interval_s);
 
 }  // namespace runcert

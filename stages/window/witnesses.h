@@ -41,35 +41,42 @@ struct WitnessRecords {
     std::optional<AntennaMotion> antenna_motion = std::nullopt;
 };
 
+/// Whether two findings are of the same witness.
+bool is_same_witness(const auto& one, const auto& other) {
+    return one.kind == other.kind && one.receiver == other.receiver;
+}
+
 /// Whether a witness comes from a file beside the recording that is judged.
-inline bool is_second_file(WitnessKind kind, const WitnessRecords& beside) {
-    return kind != WitnessKind::velocities && !(kind == WitnessKind::phases && beside.own_phases);
+inline bool is_second_file(WitnessKind kind, const WitnessRecords& records) {
+    return kind != WitnessKind::velocities && !(kind == WitnessKind::phases && records.own_phases);
 }
 
 /// A sentence for each part of a series that was left out, and for each series that gave no
 /// witness.
-std::vector<std::string> unheard(const WitnessRecords& beside, const HeardWitnesses<2>& witnesses);
+std::vector<std::string> unused_witness_notes(const WitnessRecords& records,
+                                              const AssessedWitnesses<2>& witnesses);
 
 /// The reason why a witness says nothing about a window: it covers another time than the
 /// trajectory, or has a gap in the window.
 template <int Axes>
-std::string silence_text(const HeardWitness<Axes>& witness, const TrajectoryTable& trajectory,
+std::string silence_text(const AssessedWitness<Axes>& witness, const TrajectoryTable& trajectory,
                          const std::string& profile);
 
 /// All witnesses of the positions: the recorded velocities, if anything limits their errors; the
 /// carrier phases; an IMU that agrees with the positions; series handed in; the other receivers.
 template <int Axes>
-HeardWitnesses<Axes> witnesses_of(const ScreenedTable& screened, const TrajectoryTable& trajectory,
-                                  const WitnessRecords& beside, double jerk_density);
+AssessedWitnesses<Axes> witnesses_of(const ScreenedTable& screened,
+                                     const TrajectoryTable& trajectory,
+                                     const WitnessRecords& records, double jerk_density);
 
 /// The reason why a witness that agrees with a window does not confirm it. Empty if it does.
-std::string unconfirming_text(const HeardWitness<2>& witness, const WindowSpan& span,
+std::string unconfirming_text(const AssessedWitness<2>& witness, const WindowSpan& span,
                               const std::string& profile);
 
 /// How far a contradicting witness shows another motion than the positions over the whole
 /// recording, and by how many seconds a clock may be off. Empty if it does not, and for phases,
 /// about which screening reports.
-std::string contradiction_text(const HeardWitness<2>& witness, const ScreenedTable& screened);
+std::string contradiction_text(const AssessedWitness<2>& witness, const ScreenedTable& screened);
 
 /// A window's figures by positions, for comparison with a witness.
 template <int Axes>
@@ -87,7 +94,7 @@ struct PositionFigures {
 /// The difference of the displacements by positions and by a witness, divided by the largest that
 /// occurs by chance once in a thousand. Above 1 they contradict each other.
 template <int Axes>
-double displacement_ratio(const WitnessedMotion<Axes>& moved,
+double displacement_ratio(const WitnessedMotion<Axes>& motion,
                           const PositionFigures<Axes>& positions);
 
 /// The speed of a window by a witness, compared with that by positions. Empty if the witness
@@ -98,7 +105,7 @@ double displacement_ratio(const WitnessedMotion<Axes>& moved,
 /// thousand. Another receiver's time-correlated error is assumed to have the same bound as the
 /// positions' own. The test allows for both, as if they had nothing in common. `share` stays 0.
 template <int Axes>
-std::optional<WitnessedSpeed> witnessed_speed(const HeardWitness<Axes>& witness,
+std::optional<WitnessedSpeed> witnessed_speed(const AssessedWitness<Axes>& witness,
                                               const PositionFigures<Axes>& positions);
 
 /// What a comparison by the 95 % of both finds with a probability of 0.8, in standard uncertainties
@@ -137,13 +144,13 @@ struct SpanComparedWith {
 /// comparison is over the nearest that encloses it, and confirms nothing. Empty if there is none in
 /// the arc.
 template <int Axes>
-std::optional<SpanComparedWith> compared_over(const HeardWitness<Axes>& witness,
+std::optional<SpanComparedWith> compared_over(const AssessedWitness<Axes>& witness,
                                               const PositionFigures<Axes>& of_window,
                                               const ArcMotion<Axes>& motion, TimeSpan span);
 
 /// What all witnesses say of a window, or else of a span that encloses it.
 template <int Axes>
-std::vector<WitnessedSpeed> witnessed_speeds(const HeardWitnesses<Axes>& witnesses,
+std::vector<WitnessedSpeed> witnessed_speeds(const AssessedWitnesses<Axes>& witnesses,
                                              const PositionFigures<Axes>& window,
                                              const ArcMotion<Axes>& motion);
 

@@ -6,7 +6,7 @@
 #include "motion/speed.h"
 #include "real_support.h"
 #include "stages/window/instants.h"
-#include "stages/window/position_noise.h"
+#include "stages/window/position_speed.h"
 
 // What the noise estimated from real recordings is worth.
 
@@ -89,7 +89,7 @@ TEST(RealRecordings, TheReferenceIsInsideTheStatedIntervalsOfTheUrbanCar) {
                                         .duration_s = stretch.duration_s};
             const SpeedQuantity quantity{SpeedDefinition::displacement};
             const SpeedEstimate speed =
-                position_noise(at, quantity, speed_weights(at, quantity), bound).speed;
+                speed_by_positions(at, quantity, speed_weights(at, quantity), bound).speed;
             const double expanded = 2.0 * speed.standard_uncertainty_m_s;
             const double error = speed.speed_m_s - (reference_at(screened.rows[last].time) -
                                                     reference_at(screened.rows[first].time))

@@ -7,7 +7,7 @@
 
 #include "core/statistics.h"
 #include "stages/smooth/noise.h"
-#include "stages/window/position_noise.h"
+#include "stages/window/position_speed.h"
 
 namespace runcert {
 namespace {
@@ -71,7 +71,7 @@ void study_one(CoverageCell& cell, const CoverageOptions& options, std::uint64_t
                                 .duration_s = stretch.duration_s};
     const SpeedQuantity quantity{SpeedDefinition::displacement};
     const SpeedEstimate speed =
-        position_noise(at, quantity, speed_weights(at, quantity), bound).speed;
+        speed_by_positions(at, quantity, speed_weights(at, quantity), bound).speed;
     count(cell.bound, speed.speed_m_s - true_m_s, speed.standard_uncertainty_m_s);
 }
 

@@ -57,7 +57,7 @@ void note_window(const CertifiableWindow& window, const TruePath& path, PeopleRe
     result.window_start = from_s;
     result.truth = path.speed_m_s(from_s, from_s + window.span.duration.seconds());
     result.bias_limit = window.bias_limit_m_s;
-    result.expected_beside_velocities = window.expected_beside_velocities_m_s;
+    result.expected_with_velocities = window.expected_beside_velocities_m_s;
     for (const UndetectedError& error : window.reliability)
         result.undetected = std::max(result.undetected, error.speed_m_s);
     for (const BudgetRow& row : window.budget)

@@ -31,8 +31,8 @@ struct PeopleResult {
     std::optional<double> window_start = std::nullopt;  ///< s
     double expanded = 0.0;                              ///< U
     double bias_limit = 0.0;
-    std::optional<double> expected_beside_velocities = {};  ///< m/s
-    double undetected = 0.0;                                ///< the worst undetected error
+    std::optional<double> expected_with_velocities = {};  ///< m/s
+    double undetected = 0.0;                              ///< the worst undetected error
     std::map<std::string, double> contributions = {};  ///< of the budget's rows, by their symbols
     double processor_s = 0.0;                          ///< of all stages and rules together
 

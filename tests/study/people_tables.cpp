@@ -176,7 +176,7 @@ std::string people_csv(const std::vector<PeopleResult>& results) {
             one.usable, one.record, number(one.speed), number(one.truth),
             known ? fmt::format("{:.6f}", one.error()) : "", one.expanded,
             known ? (one.held() ? "1" : "0") : "", one.bias_limit, one.undetected,
-            number(one.expected_beside_velocities), number(one.window_start));
+            number(one.expected_with_velocities), number(one.window_start));
         text += fmt::format("{:.4f},{:.4f},{:.2f},{:.4f},{:.3f},{:.4f},{:.4f},{:.4f},{:.4f}",
                             device.white_m, device.slow_m, device.slow_tau_s, device.stated_m,
                             device.filter_s, device.velocity_white_m_s, device.velocity_slow_m_s,

@@ -7,7 +7,7 @@
 #include "schemas/windows/windows.h"
 #include "stages/check/decision.h"
 #include "stages/smooth/smooth.h"
-#include "stages/window/position_noise.h"
+#include "stages/window/position_speed.h"
 #include "study_witnesses.h"
 #include "supposed_errors.h"
 #include "witness/arcs.h"

@@ -33,7 +33,7 @@ std::string second_method(const std::string& accepts = {}) {
            accepts + "}\n";
 }
 
-TEST(HeardWitness, OfPhasesIsSaidAsASecondComputation) {
+TEST(AssessedWitness, OfPhasesIsSaidAsASecondComputation) {
     RuleScene scene(profile_text(clause_text("margin")));
     scene.best().witnesses = {heard(WitnessKind::phases)};
     const ProfileVerdict verdict = scene.verdict();
@@ -58,7 +58,7 @@ bool notes_say(const ProfileVerdict& verdict, std::string_view words) {
 
 // Whichever kind it is: it is named with what to check, and those that agree are named where they
 // would have shown as much.
-TEST(HeardWitness, ThatStandsAloneIsNamedWithTheOthers) {
+TEST(AssessedWitness, ThatStandsAloneIsNamedWithTheOthers) {
     for (const WitnessKind kind : {WitnessKind::wheel, WitnessKind::gates, WitnessKind::speed_trap,
                                    WitnessKind::imu, WitnessKind::phases, WitnessKind::receiver}) {
         const WitnessKind other =
@@ -96,7 +96,7 @@ TEST(HeardWitness, ThatStandsAloneIsNamedWithTheOthers) {
     }
 }
 
-TEST(HeardWitness, WindowsThatNoneContradictsAreNotedAsBefore) {
+TEST(AssessedWitness, WindowsThatNoneContradictsAreNotedAsBefore) {
     RuleScene scene(profile_text(clause_text("margin")));
     FurtherWindow fastest;
     fastest.speed_m_s = 61.0;
@@ -109,7 +109,7 @@ TEST(HeardWitness, WindowsThatNoneContradictsAreNotedAsBefore) {
     EXPECT_TRUE(notes_say(scene.verdict(), "The speeds of a wheel contradict the positions"));
 }
 
-TEST(HeardWitness, ThatContradictsForbidsACertificateAndSaysByHowMuch) {
+TEST(AssessedWitness, ThatContradictsForbidsACertificateAndSaysByHowMuch) {
     for (const WitnessKind kind :
          {WitnessKind::phases, WitnessKind::velocities, WitnessKind::wheel, WitnessKind::gates}) {
         RuleScene scene(profile_text(clause_text("margin")));
@@ -126,7 +126,7 @@ TEST(HeardWitness, ThatContradictsForbidsACertificateAndSaysByHowMuch) {
 }
 
 // Each for itself may agree with the positions, and both together not.
-TEST(HeardWitness, WitnessesThatContradictOneAnotherForbidACertificate) {
+TEST(AssessedWitness, WitnessesThatContradictOneAnotherForbidACertificate) {
     RuleScene scene(profile_text(clause_text("margin")));
     scene.best().witnesses = {heard(WitnessKind::velocities, 0.9), heard(WitnessKind::wheel, 0.9)};
     scene.best().witnesses[1].difference_m_s = 0.01;

@@ -104,7 +104,7 @@ TEST(PhaseScreening, TheWalkIsAsFastAsItsFixedPositionsSay) {
         };
         const auto from = at(window.first), to = at(window.second);
         if (from == fixed.end() || to == fixed.end()) continue;
-        const ReceiverPlace place = receiver_place(position_of(*from->second));
+        const ReceiverPosition place = receiver_position(position_of(*from->second));
         const Eigen::Vector3d enu_m =
             place.enu_from_ecef * (position_of(*to->second) - place.position_m);
         const double by_positions = enu_m.head<2>().norm() / 3.0;

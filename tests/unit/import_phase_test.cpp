@@ -36,7 +36,7 @@ TEST(PhaseDisplacement, TheBaseStandsStillAsComputedElsewhere) {
         recorded_phases("rinex_pair/yamatogawa_master.obs", "rinex_pair/yamatogawa_rover.nav");
     const PhaseRecord& record = phases.record;
     ASSERT_EQ(record.epochs.size(), 193U);
-    const ReceiverPlace place = receiver_place(master_m);
+    const ReceiverPosition place = receiver_position(master_m);
     struct Row {
         std::size_t from;  // the first epoch is 280634 s of its week
         Eigen::Vector3d enu_mm;
@@ -73,7 +73,7 @@ TEST(PhaseTable, ElevationsComeOfTheReceiversOwnPlace) {
     EXPECT_EQ(phases.head.epochs, 193);
     EXPECT_EQ(phases.head.nominal_interval_s, 1.0);
     EXPECT_GE(phases.head.ephemerides.size(), 9U);
-    const ReceiverPlace place = receiver_place(master_m);
+    const ReceiverPosition place = receiver_position(master_m);
     for (const PhaseSatellite& satellite : phases.record.of(phases.record.epochs[100]))
         EXPECT_NEAR(satellite.sine_of_elevation,
                     line_of_sight(satellite.position_m, place).sine_of_elevation, 1e-4);

@@ -235,7 +235,7 @@ TEST(MeanSpeeds, HaveNoNegativeWeights) {
 // A wheel whose scale was fitted to other runs confirmed positions that drifted in all of them.
 TEST(ASourceCalibratedByTheFirst, HasItsFaultAndConfirmsNothingOfIt) {
     SpeedBySource wheel = witness_at(60.0);
-    wheel.shares_fault = true;
+    wheel.fault_is_common = true;
     const std::array alone{positions_at(60.0)};
     const std::array speeds{positions_at(60.0), wheel};
     const MeanSpeed mean = mean_of(speeds, 0.1);
@@ -249,14 +249,15 @@ TEST(ASourceCalibratedByTheFirst, HasItsFaultAndConfirmsNothingOfIt) {
         return fault_posteriors(std::array{positions_at(60.3), second, witness_at(60.0)});
     };
     SpeedBySource off = witness_at(60.3);
-    off.shares_fault = true;
+    off.fault_is_common = true;
     EXPECT_NEAR(three(off)[0] / three(off)[2], 0.002 / 0.01 / largest, 0.05);
     EXPECT_LT(three(witness_at(60.3))[0], 1e-4);
     // Weights that would be negative are none.
-    const MeanSpeed held = mean_of(std::array{SpeedBySource{.own_m_s = 0.001, .slow_m_s = 0.1},
-                                              SpeedBySource{.own_m_s = 0.01, .slow_m_s = 0.1},
-                                              SpeedBySource{.own_m_s = 0.01, .shares_fault = true}},
-                                   0.1);
+    const MeanSpeed held =
+        mean_of(std::array{SpeedBySource{.own_m_s = 0.001, .slow_m_s = 0.1},
+                           SpeedBySource{.own_m_s = 0.01, .slow_m_s = 0.1},
+                           SpeedBySource{.own_m_s = 0.01, .fault_is_common = true}},
+                0.1);
     double sum = 0.0;
     for (const double weight : held.weights) {
         EXPECT_GE(weight, 0.0);

@@ -443,7 +443,8 @@ TEST(RecordedPair, IsFlaggedInItsFirstMinute) {
                                    .displacement_m = to.position - from.position};
         figures.speed.speed_m_s = figures.displacement_m.norm() / (to.time_s - from.time_s);
         figures.speed.own_m_s = std::sqrt(2.0) * 0.010 / (to.time_s - from.time_s);
-        const HeardWitness<2> heard{.kind = WitnessKind::phases, .receiver = {}, .motion = witness};
+        const AssessedWitness<2> heard{
+            .kind = WitnessKind::phases, .receiver = {}, .motion = witness};
         const bool flagged = witnessed_speed<2>(heard, figures)->normalised_error > 1.0;
         (from.time_s < 60.0 ? early : late) += 1;
         (from.time_s < 60.0 ? early_flagged : late_flagged) += flagged ? 1 : 0;

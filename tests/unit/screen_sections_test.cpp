@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "core/random.h"
-#include "stages/screen/screen.h"
 #include "motion/sections.h"
+#include "stages/screen/screen.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {
@@ -30,7 +30,7 @@ TEST(Sections, AStretchOfLittleMoreThanOneIsOne) {
     const auto sections = sections_of<2>(epochs_of(1500), 1.0, 1000);
     ASSERT_EQ(sections.size(), 1U);
     EXPECT_EQ(sections[0].end, 1500U);
-    EXPECT_EQ(sections[0].taken_end, 1500U);
+    EXPECT_EQ(sections[0].used_end, 1500U);
 }
 
 TEST(Sections, AnswerForEveryEpochOnceAndTakeInWhatCounts) {
@@ -42,11 +42,11 @@ TEST(Sections, AnswerForEveryEpochOnceAndTakeInWhatCounts) {
     for (const ArcSection& section : sections_of<2>(epochs, memory_s, 1000)) {
         EXPECT_EQ(section.first, next);
         next = section.end;
-        EXPECT_EQ(section.taken_first % 10, 0U);
-        EXPECT_TRUE(epochs[section.taken_first].measurement);
-        EXPECT_TRUE(epochs[section.taken_end - 1].measurement);
-        EXPECT_TRUE(section.taken_first == 0 || section.first - section.taken_first >= 400U);
-        EXPECT_TRUE(section.taken_end == epochs.size() || section.taken_end - section.end >= 399U);
+        EXPECT_EQ(section.used_first % 10, 0U);
+        EXPECT_TRUE(epochs[section.used_first].measurement);
+        EXPECT_TRUE(epochs[section.used_end - 1].measurement);
+        EXPECT_TRUE(section.used_first == 0 || section.first - section.used_first >= 400U);
+        EXPECT_TRUE(section.used_end == epochs.size() || section.used_end - section.end >= 399U);
     }
     EXPECT_EQ(next, epochs.size());
 }

@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "motion_test_support.h"
-#include "stages/window/position_noise.h"
+#include "stages/window/position_speed.h"
 #include "window_test_support.h"
 
 namespace runcert::RUNCERT_FILE {

@@ -15,7 +15,7 @@ namespace {
 struct Scene {
     TrajectoryTable trajectory;
     WindowConfig config;
-    PositionNoise noise;
+    PositionSpeed measured;
     ErrorBound bound;
     SelectionBias selection;
 
@@ -39,22 +39,22 @@ struct Scene {
             row.north_m = 0.0;
         }
         set_speed(60.0);
-        noise.white_m_s = 0.003;
-        noise.correlated_m_s = 0.004;
-        noise.motion_m_s = 0.0;
-        noise.speed.standard_uncertainty_m_s = 0.005;
+        measured.white_m_s = 0.003;
+        measured.correlated_m_s = 0.004;
+        measured.motion_m_s = 0.0;
+        measured.speed.standard_uncertainty_m_s = 0.005;
         selection.treatment = SelectionTreatment::covered;
         selection.samples = 1000;
     }
     NoiseSummary& fit() { return trajectory.estimation.horizontal.noise; }
     void set_speed(double speed_m_s) {
-        noise.speed.speed_m_s = speed_m_s;
-        noise.displacement_m = 3.0 * speed_m_s;
+        measured.speed.speed_m_s = speed_m_s;
+        measured.displacement_m = 3.0 * speed_m_s;
     }
     BudgetInput input() const {
         return {.trajectory = trajectory,
                 .config = config,
-                .noise = noise,
+                .measured = measured,
                 .bound = bound,
                 .selection = selection,
                 .first_row = 0,
@@ -75,7 +75,7 @@ struct Scene {
         ADD_FAILURE() << "no row " << symbol;
         return {};
     }
-    MonteCarloCheck check() const { return monte_carlo(input(), rows(), noise.speed.speed_m_s); }
+    MonteCarloCheck check() const { return monte_carlo(input(), rows(), measured.speed.speed_m_s); }
 };
 
 TEST(Budget, EverySourceHasItsRowAlsoWhereItGivesNothing) {
@@ -120,7 +120,7 @@ TEST(Budget, ACalibrationAddsItsStandardUncertaintyAndOnlyEnlarges) {
     EXPECT_EQ(with.effective_degrees_of_freedom, without.effective_degrees_of_freedom);
     // Few degrees of freedom: by Welch and Satterthwaite, U would be smaller with the row.
     scene.fit().measurement_scale.relative_uncertainty = 0.7;
-    scene.noise.correlated_m_s = 0.0;
+    scene.measured.correlated_m_s = 0.0;
     const auto expanded = [&] {
         const CombinedUncertainty combined = combine(scene.rows());
         return combined.standard_uncertainty *
@@ -183,7 +183,7 @@ TEST(Budget, ASlowErrorThatWasFittedHasTheFitsDegreesOfFreedom) {
 
 TEST(Budget, WhatTheModelOfTheMotionChangesIsABound) {
     Scene scene;
-    scene.noise.model_m_s = 0.006;
+    scene.measured.model_m_s = 0.006;
     EXPECT_NEAR(scene.row("o").contribution_m_s, 0.006 / std::sqrt(3.0), 1e-15);
 }
 
@@ -208,7 +208,7 @@ TEST(Budget, WhatAnotherReceiverDoesNotShareLeavesOutFrameClockAndWhatIsLookedFo
 
 TEST(Budget, SlowErrorAndMotionAreThoseOfTheirParts) {
     Scene scene;
-    scene.noise.motion_m_s = 0.001;
+    scene.measured.motion_m_s = 0.001;
     EXPECT_EQ(scene.row("b").contribution_m_s, 0.004);
     EXPECT_EQ(scene.row("b").type, "B");
     EXPECT_FALSE(scene.row("b").degrees_of_freedom.has_value());
@@ -340,7 +340,7 @@ TEST(Budget, SelectionCoveredOrSubtracted) {
 /// All sources at once.
 Scene full() {
     Scene scene;
-    scene.noise.motion_m_s = 0.002;
+    scene.measured.motion_m_s = 0.002;
     scene.trajectory.facts.georeferenced = false;
     scene.config.plane_scale_bound = 0.0001;
     scene.trajectory.facts.position_resolution_m = 0.01;
@@ -348,7 +348,7 @@ Scene full() {
     scene.config.lever_arm = Eigen::Vector3d(0.0, 0.0, -0.1);
     scene.config.rotation_bound_deg = 5.0;
     scene.selection.bias_uncertainty_m_s = 0.0003;
-    scene.noise.model_m_s = 0.001;
+    scene.measured.model_m_s = 0.001;
     scene.trajectory.facts.time_source = "unknown";
     return scene;
 }
@@ -411,8 +411,8 @@ TEST(MonteCarlo, IsNarrowerWhereARectangularSourceDominates) {
 
 TEST(MonteCarlo, IsWiderWhereFewDegreesOfFreedomDominate) {
     Scene scene;
-    scene.noise.correlated_m_s = 0.0;
-    scene.noise.motion_m_s = 0.02;
+    scene.measured.correlated_m_s = 0.0;
+    scene.measured.motion_m_s = 0.02;
     scene.fit().jerk_density.relative_uncertainty = std::sqrt(0.1);  // 5 degrees of freedom
     // Student's t of 5 degrees of freedom holds 95 % within 2.571.
     EXPECT_NEAR(half_width(scene), 2.571, 0.06);
@@ -442,7 +442,7 @@ TEST(MonteCarlo, ACraftAtRestHasAResult) {
 TEST(MonteCarlo, AParameterThatTheDataHardlyTellIsStillPropagated) {
     // A relative uncertainty of 1 of the jerk density: half a degree of freedom by [GUM] (G.3).
     Scene scene;
-    scene.noise.motion_m_s = 0.002;
+    scene.measured.motion_m_s = 0.002;
     scene.fit().jerk_density.relative_uncertainty = 1.0;
     EXPECT_GE(scene.row("j").degrees_of_freedom.value(), 1.0);
     EXPECT_NO_THROW(scene.check());

@@ -83,7 +83,7 @@ struct Session {
             .profile = profile, .found = all[which], .all = all, .quantity = {}, .extent = extent};
     }
     CertifiableWindow certified(std::size_t which = 0) const {
-        return runcert::certified(estimate(), choice(which));
+        return certify_by_velocities(estimate(), choice(which));
     }
 };
 
@@ -229,7 +229,7 @@ TEST(CertificateExtent, LeavesOutTheChoiceAlone) {
     Session session;
     const CertifiableWindow window = session.certified();
     const CertifiableWindow compared =
-        certified(session.estimate(), session.choice(0, CertificateExtent::to_compare));
+        certify_by_velocities(session.estimate(), session.choice(0, CertificateExtent::to_compare));
     EXPECT_EQ(compared.budget.size(), window.budget.size());
     EXPECT_EQ(compared.bias_limit_m_s, 0.0);
     EXPECT_EQ(row_of(compared, "f").contribution_m_s, 0.0);

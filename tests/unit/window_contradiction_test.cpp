@@ -83,11 +83,11 @@ struct Drifting {
                                      const std::vector<FoundWindow>& rivals = {}) const {
         const FoundWindow found = from(first);
         const std::vector<FoundWindow> all = rivals.empty() ? std::vector{found} : rivals;
-        return certified(estimate, {.profile = profile,
-                                    .found = found,
-                                    .all = all,
-                                    .quantity = quantity_of(profile),
-                                    .contradictions = contradictions});
+        return certify_by_positions(estimate, {.profile = profile,
+                                               .found = found,
+                                               .all = all,
+                                               .quantity = quantity_of(profile),
+                                               .contradictions = contradictions});
     }
     std::vector<Contradiction> contradictions_from(std::size_t first) const {
         return contradictions_in(estimate, from(first), certified_from(first));

@@ -4,7 +4,7 @@
 
 #include "core/statistics.h"
 #include "motion/chain.h"
-#include "stages/window/position_noise.h"
+#include "stages/window/position_speed.h"
 #include "stages/window/reliability.h"
 #include "window_test_support.h"
 #include "witness/arcs.h"

@@ -1,11 +1,10 @@
-#include "stages/window/stands.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "core/random.h"
-#include "stages/window/position_noise.h"
+#include "stages/window/position_speed.h"
+#include "stages/window/stands.h"
 #include "window_test_support.h"
 
 namespace runcert::RUNCERT_FILE {
@@ -83,8 +82,8 @@ TEST(Stands, TheScaleOfTheWhiteNoiseIsTakenOff) {
 TEST(Stands, OfTooFewSpansOfTheWindowsTimeNothingIsTaken) {
     EXPECT_FALSE(error_of({}, 30.0));
     const ScreenedTable table = table_of({});
-    EXPECT_FALSE(standing_error_m<2>(table, stands_in(table, {{0.0, 12.0}}), FixType::fixed, 3.0,
-                                     1.0));
+    EXPECT_FALSE(
+        standing_error_m<2>(table, stands_in(table, {{0.0, 12.0}}), FixType::fixed, 3.0, 1.0));
 }
 
 TEST(Stands, OnlyUsableEpochsOfTheWindowsFixTypeCount) {
@@ -167,8 +166,8 @@ TEST(Stands, TheSentenceSaysWhetherTheStatedAccuracyHolds) {
     EXPECT_NE(text({.white_m = 0.001}).find("hold positions at rest"), std::string::npos);
     int wrong = 0;
     for (std::uint64_t seed = 1; seed <= 200; ++seed)
-        wrong += standing_text(stands_in(table_of({}, seed))).find("err by more") !=
-                 std::string::npos;
+        wrong +=
+            standing_text(stands_in(table_of({}, seed))).find("err by more") != std::string::npos;
     EXPECT_LE(wrong, 2);  // one in a thousand each; three by chance once in 900 such tests
     EXPECT_EQ(standing_text({}), "");
     EXPECT_EQ(standing_text(stands_in(table_of({}), {{0.0, 14.0}})), "");

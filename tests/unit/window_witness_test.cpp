@@ -25,7 +25,7 @@ std::vector<BudgetRow> rows_of(double white, double slow, double undetected, dou
 }
 
 WitnessedBudget beside(const std::vector<BudgetRow>& alone, std::vector<WitnessedSpeed> witnesses) {
-    return beside_witnesses(alone, WindowFault{}, SelectionBias{}, std::move(witnesses));
+    return combine_with_witnesses(alone, WindowFault{}, SelectionBias{}, std::move(witnesses));
 }
 
 // The budget beside a witness is that of the weighted mean, with the difference that is not
@@ -123,11 +123,11 @@ TEST(ExpectedBesideVelocities, IsWhatAWitnessOfThatSizeMakes) {
     const double share = 1.69 / (1.69 + sigma * sigma);
     const double apart = share * 0.6745 * std::hypot(0.5, sigma);
     const double mean = 1.69 * sigma * sigma / (1.69 + sigma * sigma);
-    EXPECT_NEAR(expected_beside_velocities(rows, 0.5, 0.2, 4.0, 1.0),
+    EXPECT_NEAR(expected_with_velocities(rows, 0.5, 0.2, 4.0, 1.0),
                 2.0 * std::sqrt(mean + apart * apart + 0.01) + (1.0 - share) * 0.2, 1e-9);
     // More often recorded, they say more.
-    EXPECT_LT(expected_beside_velocities(rows, 0.05, 0.0, 4.0, 0.1),
-              expected_beside_velocities(rows, 0.05, 0.0, 4.0, 1.0));
+    EXPECT_LT(expected_with_velocities(rows, 0.05, 0.0, 4.0, 0.1),
+              expected_with_velocities(rows, 0.05, 0.0, 4.0, 1.0));
 }
 
 /// A run of 60 m/s at 10 Hz with velocities beside its positions, which a row from 300 on drift.

@@ -42,7 +42,7 @@ struct Recorded {
         }
     }
 
-    std::optional<HeardWitness<2>> heard(std::vector<SeriesSample> samples) const {
+    std::optional<AssessedWitness<2>> heard(std::vector<SeriesSample> samples) const {
         HandedIn given;
         given.series["speed_trap"].samples = std::move(samples);
         return handed_in_witness(witness_entry(WitnessKind::speed_trap), given, positions, track,

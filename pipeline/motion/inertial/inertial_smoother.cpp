@@ -18,7 +18,7 @@ namespace {
 /// Samples must reach so far beyond the positions for a time offset to be found.
 constexpr double offset_room_s = 0.5;
 
-std::string place_of(const PositionFix& fix) {
+std::string location_text(const PositionFix& fix) {
     return fmt::format("positions, time {:.3f} s", fix.time_s);
 }
 
@@ -30,31 +30,31 @@ bool is_reached(const PositionFix& fix, const SampleReader& reader, const Inerti
 /// The positions that the samples reach, their covariances no smaller than the floors.
 std::vector<PositionFix> usable(std::span<const PositionFix> fixes, const SampleReader& reader,
                                 const InertialSetup& setup) {
-    std::vector<PositionFix> kept;
-    kept.reserve(fixes.size());
+    std::vector<PositionFix> usable;
+    usable.reserve(fixes.size());
     const Eigen::Vector3d least(setup.least_horizontal_m, setup.least_horizontal_m,
                                 setup.least_vertical_m);
     for (std::size_t k = 0; k < fixes.size(); ++k) {
         PositionFix fix = fixes[k];
         if (!std::isfinite(fix.time_s) || !fix.enu_m.allFinite() ||
             !fix.covariance_m2.allFinite() || !(fix.covariance_m2.diagonal().minCoeff() >= 0.0))
-            throw Failure(place_of(fix), "a position or its covariance is not a finite number",
+            throw Failure(location_text(fix), "a position or its covariance is not a finite number",
                           "Leave the position out");
         if (k > 0 && !(fix.time_s > fixes[k - 1].time_s))
-            throw Failure(place_of(fix), "the time is not after that of the position before",
+            throw Failure(location_text(fix), "the time is not after that of the position before",
                           "Order the positions by time");
         if (!is_reached(fix, reader, setup)) continue;
         fix.covariance_m2.diagonal() =
             fix.covariance_m2.diagonal().cwiseMax(least.cwiseProduct(least));
-        kept.push_back(fix);
+        usable.push_back(fix);
     }
-    if (kept.size() < least_positions)
+    if (usable.size() < least_positions)
         throw Failure(
             "positions",
             fmt::format("{} positions lie within the IMU's samples, {:.1f} to {:.1f} s",
-                        kept.size(), reader.begin_s(), reader.end_s()),
+                        usable.size(), reader.begin_s(), reader.end_s()),
             fmt::format("At least {} are needed. Check the IMU's clock", least_positions));
-    return kept;
+    return usable;
 }
 
 /// The trajectory found before, about which to be linear.

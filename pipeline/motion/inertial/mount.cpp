@@ -63,13 +63,13 @@ std::optional<MountEstimate> estimate_mount(
                 if (used[i]) sizes.push_back(std::abs(away[i](axis)));
             limit(axis) = 3.0 * 1.4826 * median(std::move(sizes));
         }
-        std::vector<bool> kept(mounts.size());
+        std::vector<bool> used_now(mounts.size());
         for (std::size_t i = 0; i < mounts.size(); ++i)
-            kept[i] = (away[i].cwiseAbs().array() <= limit.array()).all();
-        if (std::ranges::count(kept, true) < static_cast<std::ptrdiff_t>(least_epochs))
+            used_now[i] = (away[i].cwiseAbs().array() <= limit.array()).all();
+        if (std::ranges::count(used_now, true) < static_cast<std::ptrdiff_t>(least_epochs))
             return std::nullopt;
-        if (kept == used) break;
-        used = std::move(kept);
+        if (used_now == used) break;
+        used = std::move(used_now);
     }
     Eigen::Vector3d squares = Eigen::Vector3d::Zero();
     for (std::size_t i = 0; i < mounts.size(); ++i)

@@ -118,9 +118,9 @@ std::vector<StillSpan> still_spans(std::span<const ImuSample> samples,
     for (const Second& one : seconds) {
         const bool still =
             one.rate_rad_s < rate && one.force_m_s2 < force && one.speed_m_s < standing_m_s;
-        const bool goes_on = open.to_s > open.from_s && one.from_s - open.to_s < 0.1 * second_s;
-        if (!still || !goes_on) close();
-        if (still) open = {goes_on ? open.from_s : one.from_s, one.to_s};
+        const bool continues = open.to_s > open.from_s && one.from_s - open.to_s < 0.1 * second_s;
+        if (!still || !continues) close();
+        if (still) open = {continues ? open.from_s : one.from_s, one.to_s};
     }
     close();
     return spans;

@@ -18,7 +18,7 @@ constexpr double same_time_s = 1e-9;
 /// stamps. Beyond it, samples are missing.
 constexpr double jitter = 0.5;
 
-std::string place_of(const ImuSample& sample) {
+std::string location_text(const ImuSample& sample) {
     return fmt::format("IMU, time {:.6f} s", sample.time_s);
 }
 
@@ -52,13 +52,13 @@ SampleReader::SampleReader(std::span<const ImuSample> samples) : samples_(sample
         const ImuSample& sample = samples[k];
         if (!std::isfinite(sample.time_s) || !sample.angle_rad.allFinite() ||
             !sample.velocity_m_s.allFinite())
-            throw Failure(place_of(sample), "a value is not a finite number",
+            throw Failure(location_text(sample), "a value is not a finite number",
                           "Correct or remove the sample");
         if (!(sample.interval_s > 0.0) || !std::isfinite(sample.interval_s))
-            throw Failure(place_of(sample), "the interval is not positive",
+            throw Failure(location_text(sample), "the interval is not positive",
                           "Give the interval of each sample");
         if (k > 0 && !(sample.time_s > samples[k - 1].time_s + same_time_s))
-            throw Failure(place_of(sample), "the time is not after that of the sample before",
+            throw Failure(location_text(sample), "the time is not after that of the sample before",
                           "Order the samples by time and remove repeated ones");
     }
     seek(begin_s());

@@ -128,7 +128,7 @@ class RawSimulation {
         double range_m = 0.0, clock_m = 0.0, delay_m = 0.0, sine = 0.0;
     };
     Path path(const Ephemeris& ephemeris, const SimulatedEpoch& epoch, double after_s) const {
-        const ReceiverPlace place = receiver_place(position_m(epoch, after_s));
+        const ReceiverPosition place = receiver_position(position_m(epoch, after_s));
         const GpsTime nominal = tag_of(epoch);
         double travel_s = 0.075;
         Path result;

@@ -92,9 +92,9 @@ std::optional<TimeSpan> GateWitness::enclosing(double from_s, double to_s) const
 }
 
 std::optional<double> GateWitness::path_between(double from_s, double to_s) const {
-    const auto moved = between(from_s, to_s);
-    if (!moved) return std::nullopt;
-    return moved->displacement_m.norm();
+    const auto motion = between(from_s, to_s);
+    if (!motion) return std::nullopt;
+    return motion->displacement_m.norm();
 }
 
 std::optional<GatePassage> passage_at(const Track& track, double time_s) {
@@ -135,7 +135,7 @@ std::optional<GateWitness> gate_witness(std::span<const TimedValue> passages,
 namespace witnesses {
 namespace {
 
-std::optional<HeardWitness<2>> make_gates(const HandedInSeries& given) {
+std::optional<AssessedWitness<2>> make_gates(const HandedInSeries& given) {
     const GateSeries& said = given.attempt.gates.value();
     const std::vector<TimedValue> passages_m = timed_values(given.series);
     auto gates = gate_witness(passages_m,
@@ -150,7 +150,7 @@ std::optional<HeardWitness<2>> make_gates(const HandedInSeries& given) {
              .length_m = passages_m[i].value - passages_m[i - 1].value});
     const bool made = gates->agrees_too_well() || made_from(ways, given.positions);
     const auto original = source_of(ways, given.sources);
-    return HeardWitness<2>{
+    return AssessedWitness<2>{
         .kind = WitnessKind::gates,
         .motion = std::make_shared<const GateWitness>(*std::move(gates)),
         .note = made ? "The gates agree with the positions better than the errors of either allow: "

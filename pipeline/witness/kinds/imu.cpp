@@ -36,15 +36,15 @@ std::optional<WitnessedMotion<Axes>> ImuWitness<Axes>::between(double from_s, do
     if (!found) return std::nullopt;
     const auto [s, e] = *found;
     if (solution_->bridged_between(s, e)) return std::nullopt;
-    const PointDisplacement moved = solution_->displacement_by_imu(s, e);
+    const PointDisplacement by_imu = solution_->displacement_by_imu(s, e);
     const Eigen::Vector3d beyond =
         start_of(*solution_, s, from_s) - solution_->epochs[s].antenna.position_m +
         solution_->epochs[e].antenna.position_m - end_of(*solution_, e, to_s);
     constexpr int axis = first_axis<Axes>;
     WitnessedMotion<Axes> motion;
-    motion.displacement_m = (moved.enu_m - beyond).template segment<Axes>(axis);
+    motion.displacement_m = (by_imu.enu_m - beyond).template segment<Axes>(axis);
     motion.covariance_m2 =
-        as_recorded * as_recorded * moved.covariance_m2.template block<Axes, Axes>(axis, axis);
+        as_recorded * as_recorded * by_imu.covariance_m2.template block<Axes, Axes>(axis, axis);
     motion.confirms = false;
     return motion;
 }
@@ -57,8 +57,8 @@ TimeSpan ImuWitness<Axes>::covered() const {
 template <int Axes>
 std::optional<double> ImuWitness<Axes>::path_between(double from_s, double to_s) const {
     const auto found = solution_->enclosing(from_s, to_s);
-    const auto moved = between(from_s, to_s);
-    if (!found || !moved) return std::nullopt;
+    const auto motion = between(from_s, to_s);
+    if (!found || !motion) return std::nullopt;
     const auto [s, e] = *found;
     const Eigen::Vector3d start = start_of(*solution_, s, from_s);
     const Eigen::Vector3d end = end_of(*solution_, e, to_s);
@@ -70,7 +70,7 @@ std::optional<double> ImuWitness<Axes>::path_between(double from_s, double to_s)
         at = next;
     }
     length_m += step_m<Axes>(at, end);
-    return length_m + moved->displacement_m.norm() - step_m<Axes>(start, end);
+    return length_m + motion->displacement_m.norm() - step_m<Axes>(start, end);
 }
 
 template class ImuWitness<1>;

@@ -55,7 +55,7 @@ std::vector<GatePassage> ends_of_stretches(const MeasuredSeries& series, const T
 namespace witnesses {
 namespace {
 
-std::optional<HeardWitness<2>> make_speed_trap(const HandedInSeries& given) {
+std::optional<AssessedWitness<2>> make_speed_trap(const HandedInSeries& given) {
     std::vector<GatePassage> ends = ends_of_stretches(given.series, given.track);
     if (ends.empty()) return std::nullopt;
     const std::vector<Way> ways = ways_between(ends);
@@ -64,7 +64,7 @@ std::optional<HeardWitness<2>> make_speed_trap(const HandedInSeries& given) {
                       made_from(speeds_m_s, given.positions) == VelocityOrigin::positions;
     auto original = source_of(ways, given.sources);
     if (!original) original = source_of(speeds_m_s, given.sources, 0.0);
-    return HeardWitness<2>{
+    return AssessedWitness<2>{
         .kind = WitnessKind::speed_trap,
         .motion = std::make_shared<const GateWitness>(std::move(ends), GateErrors{}),
         .note = made       ? "The speeds of the radar gun or speed trap keep to the positions more "

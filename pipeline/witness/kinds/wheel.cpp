@@ -141,13 +141,13 @@ std::vector<WheelRun> runs_of(const std::vector<FastSpan>& spans) {
 /// the speed then does not count as an error of the wheel.
 std::vector<TimedVelocity<2>> as_fitted(std::vector<TimedVelocity<2>> samples,
                                         const std::vector<WheelRun>& runs) {
-    const auto beside_s = [](const WheelRun& run, double time_s) {
+    const auto apart_s = [](const WheelRun& run, double time_s) {
         return std::max({0.0, run.span.first_s - time_s, time_s - run.span.last_s});
     };
     if (runs.empty()) return samples;
     for (TimedVelocity<2>& one : samples)
         one.velocity *= std::ranges::min_element(runs, {}, [&](const WheelRun& run) {
-                            return beside_s(run, one.time_s);
+                            return apart_s(run, one.time_s);
                         })->scale;
     return samples;
 }
@@ -178,7 +178,7 @@ WheelMotion::WheelMotion(VelocityWitness<2> motion, std::vector<WheelRun> runs, 
       calibrated_(calibrated) {}
 
 WheelScale WheelMotion::scale_for(double from_s, double to_s,
-                                  const PositionVector<2>& moved) const {
+                                  const PositionVector<2>& displacement_m) const {
     const WheelScale given{.value = 1.0, .sigma = sigma_scale_, .independent = calibrated_};
     if (calibrated_) return given;
     std::vector<double> all, along, against;
@@ -186,7 +186,7 @@ WheelScale WheelMotion::scale_for(double from_s, double to_s,
         if (run.span.last_s > from_s - between_runs_s && run.span.first_s < to_s + between_runs_s)
             continue;
         all.push_back(run.scale);
-        (run.direction.dot(moved) > 0.0 ? along : against).push_back(run.scale);
+        (run.direction.dot(displacement_m) > 0.0 ? along : against).push_back(run.scale);
     }
     if (all.size() < fewest_runs) return given;
     const double middle = mean(all);
@@ -216,9 +216,9 @@ std::optional<WitnessedMotion<2>> WheelMotion::between(double from_s, double to_
 
 std::optional<double> WheelMotion::path_between(double from_s, double to_s) const {
     const auto path_m = motion_.path_between(from_s, to_s);
-    const auto moved = path_m ? motion_.between(from_s, to_s) : std::nullopt;
-    if (!moved) return std::nullopt;
-    return *path_m * scale_for(from_s, to_s, moved->displacement_m).value;
+    const auto motion = path_m ? motion_.between(from_s, to_s) : std::nullopt;
+    if (!motion) return std::nullopt;
+    return *path_m * scale_for(from_s, to_s, motion->displacement_m).value;
 }
 
 std::optional<WheelWitness> wheel_witness(const WheelSpeeds& speeds,
@@ -317,7 +317,7 @@ std::string wheel_note(const WheelWitness& wheel, const WheelSpeeds& speeds) {
 namespace witnesses {
 namespace {
 
-std::optional<HeardWitness<2>> make_wheel(const HandedInSeries& given) {
+std::optional<AssessedWitness<2>> make_wheel(const HandedInSeries& given) {
     const WheelSeries& said = given.attempt.wheel.value();
     const WheelSpeeds speeds{
         .m_s = timed_values(given.series),
@@ -329,7 +329,7 @@ std::optional<HeardWitness<2>> make_wheel(const HandedInSeries& given) {
         made_from(speeds.m_s, given.positions, wheel->delay_s) == VelocityOrigin::positions)
         wheel->made_from_positions = true;
     const auto original = source_of(speeds.m_s, given.sources, wheel->delay_s);
-    return HeardWitness<2>{
+    return AssessedWitness<2>{
         .kind = WitnessKind::wheel,
         .motion = std::make_shared<const WheelMotion>(std::move(wheel->motion)),
         .note = original ? copy_text("wheel's speeds", *original) : wheel_note(*wheel, speeds),

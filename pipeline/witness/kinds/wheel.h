@@ -42,9 +42,9 @@ class WheelMotion final : public Witness<2> {
     TimeSpan covered() const override { return motion_.covered(); }
     std::optional<double> path_between(double from_s, double to_s) const override;
 
-    /// The scale for a window, relative to that of the speeds as given. `moved` gives the window's
-    /// direction of travel.
-    WheelScale scale_for(double from_s, double to_s, const PositionVector<2>& moved) const;
+    /// The scale for a window, relative to that of the speeds as given. `displacement_m` gives the
+    /// window's direction of travel.
+    WheelScale scale_for(double from_s, double to_s, const PositionVector<2>& displacement_m) const;
 
   private:
     VelocityWitness<2> motion_;

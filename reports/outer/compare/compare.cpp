@@ -129,11 +129,7 @@ bool is_comparable(const WindowRule& rule) {
 }  // namespace
 
 CompareConfig compare_config(const Attempt& attempt) {
-    const SmoothParameters& smooth = attempt.parameters.smooth;
-    return {.fit = {.initial_jerk_density = smooth.jerk_density,
-                    .tau_min_s = smooth.error_time_min_s,
-                    .tau_max_s = smooth.error_time_max_s,
-                    .motion = motion_of(smooth.motion_model)},
+    return {.fit = fit_options(attempt.parameters.smooth),
             .duration_tolerance_s = attempt.parameters.window.duration_tolerance_s};
 }
 

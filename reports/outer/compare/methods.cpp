@@ -209,7 +209,7 @@ std::optional<MeasuredVelocity> velocity_between(const std::optional<MeasuredVel
         .covariance_m2_s2 = 0.5 * (before->covariance_m2_s2 + after->covariance_m2_s2)};
 }
 
-void take_in(EnhancedKalmanState& state, const PositionMeasurement<3>& measured) {
+void update(EnhancedKalmanState& state, const PositionMeasurement<3>& measured) {
     const Eigen::Matrix3d gain =
         state.covariance_m2 * (state.covariance_m2 + measured.covariance).inverse();
     const Eigen::Matrix3d keep = Eigen::Matrix3d::Identity() - gain;
@@ -257,7 +257,7 @@ std::vector<std::optional<EnhancedKalmanState>> filter_enhanced_kalman(
             const Eigen::Vector3d before_m = state->position_m;
             state->position_m += input->velocity_m_s * dt_s;
             state->covariance_m2 += input->covariance_m2_s2 * dt_s * dt_s;
-            if (measured) take_in(*state, *measured);
+            if (measured) update(*state, *measured);
             state->velocity_m_s = (state->position_m - before_m) / dt_s;
         } else {
             state.reset();

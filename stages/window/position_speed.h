@@ -12,6 +12,10 @@
 
 namespace runcert {
 
+/// The least time-correlated error (m) that a rule assumes of positions of this fix type. Empty if
+/// it names none.
+std::optional<double> error_floor_m(const UncertaintyRule& rule, FixType fix);
+
 /// The size of the time-correlated position error that the certificate allows for. It is the
 /// largest of the fitted one, the stated standard deviation times its scale, what the positions
 /// showed while the craft stood (`standing_error_m`), and the floor for the fix types in rows
@@ -73,7 +77,7 @@ double largest_correlated_variance(std::span<const ArcEpoch<Axes>> epochs,
 
 /// Standard uncertainties of a window's speed from its positions, by source (m/s). Their squares
 /// sum to that of the total.
-struct PositionNoise {
+struct PositionSpeed {
     SpeedEstimate speed;          ///< by the requested definition
     double displacement_m = 0.0;  ///< between the window's ends
     double white_m_s = 0.0;       ///< white noise of the positions
@@ -87,13 +91,13 @@ struct PositionNoise {
 /// whatever model the weights come from. The remainder of the estimate's own variance is that of
 /// the motion.
 template <int Axes>
-PositionNoise position_noise(const EstimatedWindow<Axes>& at, const SpeedQuantity& quantity,
-                             const SpeedWeights<Axes>& weights, const ErrorBound& bound);
+PositionSpeed speed_by_positions(const EstimatedWindow<Axes>& at, const SpeedQuantity& quantity,
+                                 const SpeedWeights<Axes>& weights, const ErrorBound& bound);
 
-/// Other estimates of the window's speed, and their differences from that of `noise`.
+/// Other estimates of the window's speed, and their differences from that `measured`.
 template <int Axes>
 OtherEstimates other_estimates(const EstimatedWindow<Axes>& at, const SpeedQuantity& quantity,
-                               const SpeedWeights<Axes>& weights, const PositionNoise& noise);
+                               const SpeedWeights<Axes>& weights, const PositionSpeed& measured);
 
 /// The window's speed over all models of the posterior: the mean, with an uncertainty that includes
 /// the models' own and their differences.

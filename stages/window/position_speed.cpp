@@ -1,4 +1,4 @@
-#include "stages/window/position_noise.h"
+#include "stages/window/position_speed.h"
 
 #include <algorithm>
 #include <cmath>
@@ -26,6 +26,11 @@ auto measured_track(std::span<const ArcEpoch<Axes>> epochs) {
 
 }  // namespace
 
+std::optional<double> error_floor_m(const UncertaintyRule& rule, FixType fix) {
+    const auto floor = rule.error_floor_m.find(std::string(to_text(fix)));
+    return floor == rule.error_floor_m.end() ? std::nullopt : std::optional(floor->second);
+}
+
 template <int Axes>
 ErrorBound error_bound(const ScreenedTable& screened, std::size_t first_row, std::size_t last_row,
                        const NoiseSummary& noise, const UncertaintyRule& rule, double along,
@@ -43,10 +48,9 @@ ErrorBound error_bound(const ScreenedTable& screened, std::size_t first_row, std
         sum += stated_covariance<Axes>(row).trace() / Axes;
         ++count;
         fixes.insert(row.fix);
-        const auto floor = rule.error_floor_m.find(std::string(to_text(row.fix)));
-        if (floor != rule.error_floor_m.end() &&
-            (!bound.floor_fix || floor->second > bound.floor_m)) {
-            bound.floor_m = floor->second;
+        const auto floor_m = error_floor_m(rule, row.fix);
+        if (floor_m && (!bound.floor_fix || *floor_m > bound.floor_m)) {
+            bound.floor_m = *floor_m;
             bound.floor_fix = row.fix;
         }
     }
@@ -171,28 +175,28 @@ double largest_correlated_variance(std::span<const ArcEpoch<Axes>> epochs,
 }
 
 template <int Axes>
-PositionNoise position_noise(const EstimatedWindow<Axes>& at, const SpeedQuantity& quantity,
-                             const SpeedWeights<Axes>& weights, const ErrorBound& bound) {
-    PositionNoise noise;
+PositionSpeed speed_by_positions(const EstimatedWindow<Axes>& at, const SpeedQuantity& quantity,
+                                 const SpeedWeights<Axes>& weights, const ErrorBound& bound) {
+    PositionSpeed measured;
     const double white = weighted_variance<Axes>(at.epochs, at.model.measurement_scale, weights);
     const double correlated = largest_correlated_variance<Axes>(at.epochs, weights, bound);
     double motion = 0.0;
     if (quantity.of_samples) {
-        noise.speed.speed_m_s =
+        measured.speed.speed_m_s =
             speed_of(measured_track<Axes>(at.epochs), at.window, at.duration_s, quantity);
-        noise.displacement_m = noise.speed.speed_m_s * at.duration_s;
+        measured.displacement_m = measured.speed.speed_m_s * at.duration_s;
     } else {
-        noise.speed = smoothed_speed(at.smoothed, at.window, at.duration_s, quantity);
-        noise.displacement_m = displacement(at.smoothed, at.window.first, at.window.last).norm();
-        motion = noise.speed.standard_uncertainty_m_s * noise.speed.standard_uncertainty_m_s -
+        measured.speed = smoothed_speed(at.smoothed, at.window, at.duration_s, quantity);
+        measured.displacement_m = displacement(at.smoothed, at.window.first, at.window.last).norm();
+        motion = measured.speed.standard_uncertainty_m_s * measured.speed.standard_uncertainty_m_s -
                  white - weighted_variance<Axes>(at.epochs, at.model.error, weights);
     }
-    noise.white_m_s = std::sqrt(white);
-    noise.correlated_m_s = std::sqrt(correlated);
-    noise.motion_m_s = std::sqrt(std::max(motion, 0.0));
-    noise.speed.standard_uncertainty_m_s =
-        std::sqrt(white + correlated + noise.motion_m_s * noise.motion_m_s);
-    return noise;
+    measured.white_m_s = std::sqrt(white);
+    measured.correlated_m_s = std::sqrt(correlated);
+    measured.motion_m_s = std::sqrt(std::max(motion, 0.0));
+    measured.speed.standard_uncertainty_m_s =
+        std::sqrt(white + correlated + measured.motion_m_s * measured.motion_m_s);
+    return measured;
 }
 
 double error_along(std::span<const ArcEpoch<2>> epochs, const EstimationModel& model,
@@ -248,7 +252,7 @@ bool has_chord(const EstimatedWindow<Axes>& at, const SpeedQuantity& quantity) {
 
 template <int Axes>
 OtherEstimates other_estimates(const EstimatedWindow<Axes>& at, const SpeedQuantity& quantity,
-                               const SpeedWeights<Axes>& weights, const PositionNoise& noise) {
+                               const SpeedWeights<Axes>& weights, const PositionSpeed& measured) {
     constexpr double factor = 3.1622776601683795;  // sqrt(10)
     constexpr double coverage = 2.0;
     std::vector<ArcEpoch<Axes>> of_whole(at.epochs.begin(), at.epochs.end());
@@ -257,7 +261,7 @@ OtherEstimates other_estimates(const EstimatedWindow<Axes>& at, const SpeedQuant
     OtherEstimates other{.stiffer_m_s = speed_with(at, quantity, at.epochs, 1.0 / factor),
                          .softer_m_s = speed_with(at, quantity, at.epochs, factor),
                          .whole_m_s = speed_with<Axes>(at, quantity, of_whole, 1.0)};
-    const double speed_m_s = noise.speed.speed_m_s;
+    const double speed_m_s = measured.speed.speed_m_s;
     if (quantity.of_samples) {  // the speed depends on no model
         other.stiffer_m_s = other.softer_m_s = speed_m_s;
         return other;
@@ -311,12 +315,12 @@ template double position_r95_m<2>(const Chain<2>&, EpochPair, const ErrorBound&)
                                           const std::vector<Stand>&);                              \
     template OtherEstimates other_estimates<AXES>(const EstimatedWindow<AXES>&,                    \
                                                   const SpeedQuantity&, const SpeedWeights<AXES>&, \
-                                                  const PositionNoise&);                           \
+                                                  const PositionSpeed&);                           \
     template SpeedWeights<AXES> speed_weights<AXES>(const EstimatedWindow<AXES>&,                  \
                                                     const SpeedQuantity&);                         \
-    template PositionNoise position_noise<AXES>(const EstimatedWindow<AXES>&,                      \
-                                                const SpeedQuantity&, const SpeedWeights<AXES>&,   \
-                                                const ErrorBound&);                                \
+    template PositionSpeed speed_by_positions<AXES>(const EstimatedWindow<AXES>&,                  \
+                                                    const SpeedQuantity&,                          \
+                                                    const SpeedWeights<AXES>&, const ErrorBound&); \
     template double largest_correlated_variance<AXES>(                                             \
         std::span<const ArcEpoch<AXES>>, const SpeedWeights<AXES>&, const ErrorBound&);            \
     template FittedSpeed fitted_speed<AXES>(                                                       \

@@ -4,7 +4,7 @@
 
 #include "core/statistics.h"
 #include "motion_test_support.h"
-#include "stages/window/position_noise.h"
+#include "stages/window/position_speed.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {
@@ -35,7 +35,7 @@ WindowStretch<2> irregular_stretch() {
     return stretch;
 }
 
-PositionNoise noise_of(const WindowStretch<2>& stretch, const EstimationModel& model,
+PositionSpeed noise_of(const WindowStretch<2>& stretch, const EstimationModel& model,
                        SpeedDefinition definition, const ErrorBound& bound = bound_of()) {
     const Chain<2> smoothed = Chain<2>(stretch.epochs, model);
     const EstimatedWindow<2> at{.epochs = stretch.epochs,
@@ -43,7 +43,7 @@ PositionNoise noise_of(const WindowStretch<2>& stretch, const EstimationModel& m
                                 .model = model,
                                 .window = stretch.window,
                                 .duration_s = stretch.duration_s};
-    return position_noise(at, {definition}, speed_weights(at, {definition}), bound);
+    return speed_by_positions(at, {definition}, speed_weights(at, {definition}), bound);
 }
 
 Eigen::Vector2d displacement(const WindowStretch<2>& stretch, const EstimationModel& model) {
@@ -104,8 +104,8 @@ double dense_largest(const std::vector<ArcEpoch<2>>& epochs, const SpeedWeights<
     return sum;
 }
 
-/// An arc whose steps have all kinds of lengths, and weights of a sum that looks at three scales of
-/// time.
+/// An arc whose steps have all kinds of lengths, and weights of a sum that looks at three
+/// scales of time.
 struct Weighted {
     std::vector<ArcEpoch<2>> epochs;
     SpeedWeights<2> weights;
@@ -130,22 +130,22 @@ struct Weighted {
     }
 };
 
-TEST(PositionNoise, PartsAddUpToTheWhole) {
+TEST(PositionSpeed, PartsAddUpToTheWhole) {
     for (const SpeedDefinition definition :
          {SpeedDefinition::displacement, SpeedDefinition::path_length,
           SpeedDefinition::mean_n_plus_1, SpeedDefinition::mean_n}) {
-        const PositionNoise noise = noise_of(irregular_stretch(), fitted_model(), definition);
-        const double u = noise.speed.standard_uncertainty_m_s;
-        for (const double part : {noise.white_m_s, noise.correlated_m_s, noise.motion_m_s})
+        const PositionSpeed measured = noise_of(irregular_stretch(), fitted_model(), definition);
+        const double u = measured.speed.standard_uncertainty_m_s;
+        for (const double part : {measured.white_m_s, measured.correlated_m_s, measured.motion_m_s})
             EXPECT_GT(part, 0.01 * u) << to_text(definition);
-        EXPECT_NEAR(std::pow(noise.white_m_s, 2) + std::pow(noise.correlated_m_s, 2) +
-                        std::pow(noise.motion_m_s, 2),
+        EXPECT_NEAR(std::pow(measured.white_m_s, 2) + std::pow(measured.correlated_m_s, 2) +
+                        std::pow(measured.motion_m_s, 2),
                     u * u, 1e-6 * u * u)
             << to_text(definition);
     }
 }
 
-TEST(PositionNoise, WhiteAndCorrelatedPartsAreThoseOfTheSameWeights) {
+TEST(PositionSpeed, WhiteAndCorrelatedPartsAreThoseOfTheSameWeights) {
     const WindowStretch<2> stretch = irregular_stretch();
     const EstimationModel model = fitted_model();
     const std::vector<Eigen::Vector2d> h = weights(stretch, model);
@@ -156,12 +156,12 @@ TEST(PositionNoise, WhiteAndCorrelatedPartsAreThoseOfTheSameWeights) {
                  h[k].dot(stretch.epochs[k].measurement->covariance * h[k]);
     }
     const double correlated = dense_largest(stretch.epochs, h, bound_of(), 200);
-    const PositionNoise noise = noise_of(stretch, model, SpeedDefinition::displacement);
-    EXPECT_NEAR(noise.white_m_s, std::sqrt(white), 1e-4 * std::sqrt(white));
-    EXPECT_NEAR(noise.correlated_m_s, std::sqrt(correlated), 1e-4 * std::sqrt(correlated));
+    const PositionSpeed measured = noise_of(stretch, model, SpeedDefinition::displacement);
+    EXPECT_NEAR(measured.white_m_s, std::sqrt(white), 1e-4 * std::sqrt(white));
+    EXPECT_NEAR(measured.correlated_m_s, std::sqrt(correlated), 1e-4 * std::sqrt(correlated));
 }
 
-TEST(PositionNoise, TheRestIsTheMotions) {
+TEST(PositionSpeed, TheRestIsTheMotions) {
     // The variance is of first degree in the three noises together: what white noise and the
     // time-correlated error leave is its derivative by the logarithm of the motion's variance.
     const WindowStretch<2> stretch = irregular_stretch();
@@ -174,20 +174,20 @@ TEST(PositionNoise, TheRestIsTheMotions) {
         return u * u;
     };
     const double motion = (variance(std::exp(0.01)) - variance(std::exp(-0.01))) / 0.02;
-    const PositionNoise noise = noise_of(stretch, fitted_model(), SpeedDefinition::displacement);
-    EXPECT_NEAR(noise.motion_m_s, std::sqrt(motion), 1e-3 * std::sqrt(motion));
+    const PositionSpeed measured = noise_of(stretch, fitted_model(), SpeedDefinition::displacement);
+    EXPECT_NEAR(measured.motion_m_s, std::sqrt(motion), 1e-3 * std::sqrt(motion));
 }
 
-TEST(PositionNoise, WithoutASlowErrorThereIsNoPartOfIt) {
+TEST(PositionSpeed, WithoutASlowErrorThereIsNoPartOfIt) {
     EstimationModel model = fitted_model();
     model.error = GaussMarkovError::steady(0.0, 1.0);
-    const PositionNoise noise =
+    const PositionSpeed measured =
         noise_of(irregular_stretch(), model, SpeedDefinition::displacement, bound_of(0.0));
-    EXPECT_EQ(noise.correlated_m_s, 0.0);
-    EXPECT_GT(noise.white_m_s, 1e-3);
+    EXPECT_EQ(measured.correlated_m_s, 0.0);
+    EXPECT_GT(measured.white_m_s, 1e-3);
 }
 
-TEST(PositionNoise, OfSamplesIsThatOfTwoPositions) {
+TEST(PositionSpeed, OfSamplesIsThatOfTwoPositions) {
     WindowStretch<2> stretch = irregular_stretch();
     const EstimationModel model = fitted_model();
     const Chain<2> smoothed = Chain<2>(stretch.epochs, model);
@@ -198,18 +198,19 @@ TEST(PositionNoise, OfSamplesIsThatOfTwoPositions) {
                                 .duration_s = stretch.duration_s};
     SpeedQuantity samples{SpeedDefinition::displacement};
     samples.of_samples = true;
-    const PositionNoise noise = position_noise(at, samples, speed_weights(at, samples), bound_of());
+    const PositionSpeed measured =
+        speed_by_positions(at, samples, speed_weights(at, samples), bound_of());
     const auto& first = *stretch.epochs[stretch.window.first].measurement;
     const auto& last = *stretch.epochs[stretch.window.last].measurement;
     const Eigen::Vector2d moved = last.position - first.position;
     const double t = stretch.duration_s;
-    EXPECT_NEAR(noise.speed.speed_m_s, moved.norm() / t, 1e-12);
+    EXPECT_NEAR(measured.speed.speed_m_s, moved.norm() / t, 1e-12);
     const Eigen::Vector2d u = moved.normalized();
     const double white = 1.3 * std::sqrt(u.dot((first.covariance + last.covariance) * u)) / t;
-    EXPECT_NEAR(noise.white_m_s, white, 1e-12);
-    EXPECT_EQ(noise.motion_m_s, 0.0);
+    EXPECT_NEAR(measured.white_m_s, white, 1e-12);
+    EXPECT_EQ(measured.motion_m_s, 0.0);
     // A time-correlated error is worst where it forgets soonest: sqrt(2) of its size.
-    EXPECT_NEAR(noise.correlated_m_s, 0.02 * std::sqrt(2.0 * (1.0 - std::exp(-t / 0.5))) / t,
+    EXPECT_NEAR(measured.correlated_m_s, 0.02 * std::sqrt(2.0 * (1.0 - std::exp(-t / 0.5))) / t,
                 1e-12);
 }
 
@@ -226,8 +227,9 @@ TEST(OtherEstimates, SayHowMuchHangsOnTheModel) {
                                     .duration_s = stretch.duration_s};
         const SpeedQuantity quantity{SpeedDefinition::displacement};
         const auto by_weights = speed_weights(at, quantity);
-        const PositionNoise noise = position_noise(at, quantity, by_weights, bound_of());
-        return std::pair(noise.speed.speed_m_s, other_estimates(at, quantity, by_weights, noise));
+        const PositionSpeed measured = speed_by_positions(at, quantity, by_weights, bound_of());
+        return std::pair(measured.speed.speed_m_s,
+                         other_estimates(at, quantity, by_weights, measured));
     };
     const auto [speed, other] = estimates_of(0.6);
     EXPECT_NEAR(other.stiffer_m_s, estimates_of(0.6 / std::sqrt(10.0)).first, 1e-9);
@@ -411,12 +413,12 @@ TEST(LargestCorrelatedVariance, OfAFittedErrorIsAtTheLongestCorrelationTime) {
                 1e-9);
 }
 
-TEST(PositionNoise, MotionIsThatAtTheWindow) {
+TEST(PositionSpeed, MotionIsThatAtTheWindow) {
     WindowStretch<2> stretch = irregular_stretch();
-    const PositionNoise even = noise_of(stretch, fitted_model(), SpeedDefinition::displacement);
+    const PositionSpeed even = noise_of(stretch, fitted_model(), SpeedDefinition::displacement);
     stretch.epochs = test::with_changing_motion(std::move(stretch.epochs));
-    const PositionNoise noise = noise_of(stretch, fitted_model(), SpeedDefinition::displacement);
-    EXPECT_GT(std::abs(noise.motion_m_s / even.motion_m_s - 1.0), 0.02);
+    const PositionSpeed measured = noise_of(stretch, fitted_model(), SpeedDefinition::displacement);
+    EXPECT_GT(std::abs(measured.motion_m_s / even.motion_m_s - 1.0), 0.02);
 }
 
 TEST(OtherEstimates, OfOneDensityForAllIsTheEstimateThatDoesNotFollowTheMotion) {
@@ -431,8 +433,9 @@ TEST(OtherEstimates, OfOneDensityForAllIsTheEstimateThatDoesNotFollowTheMotion) 
                                     .window = stretch.window,
                                     .duration_s = stretch.duration_s};
         const auto by_weights = speed_weights(at, quantity);
-        const PositionNoise noise = position_noise(at, quantity, by_weights, bound_of());
-        return std::pair(noise.speed.speed_m_s, other_estimates(at, quantity, by_weights, noise));
+        const PositionSpeed measured = speed_by_positions(at, quantity, by_weights, bound_of());
+        return std::pair(measured.speed.speed_m_s,
+                         other_estimates(at, quantity, by_weights, measured));
     };
     const double even_m_s = other_of(stretch.epochs).first;
     const auto [followed_m_s, other] = other_of(test::with_changing_motion(stretch.epochs));
@@ -452,11 +455,11 @@ TEST(OtherEstimates, OfSamplesNoModelChangesAnything) {
     SpeedQuantity samples{SpeedDefinition::displacement};
     samples.of_samples = true;
     const auto by_weights = speed_weights(at, samples);
-    const PositionNoise noise = position_noise(at, samples, by_weights, bound_of());
-    const OtherEstimates other = other_estimates(at, samples, by_weights, noise);
+    const PositionSpeed measured = speed_by_positions(at, samples, by_weights, bound_of());
+    const OtherEstimates other = other_estimates(at, samples, by_weights, measured);
     EXPECT_EQ(other.half_width_m_s, 0.0);
-    EXPECT_EQ(other.stiffer_m_s, noise.speed.speed_m_s);
-    EXPECT_EQ(other.softer_m_s, noise.speed.speed_m_s);
+    EXPECT_EQ(other.stiffer_m_s, measured.speed.speed_m_s);
+    EXPECT_EQ(other.softer_m_s, measured.speed.speed_m_s);
     EXPECT_FALSE(other.chord_m_s);
 }
 
@@ -471,8 +474,8 @@ TEST(OtherEstimates, AChordIsOfMeasuredEnds) {
                                     .window = stretch.window,
                                     .duration_s = stretch.duration_s};
         const auto by_weights = speed_weights(at, {definition});
-        const PositionNoise noise = position_noise(at, {definition}, by_weights, bound_of());
-        return other_estimates(at, {definition}, by_weights, noise).chord_m_s.has_value();
+        const PositionSpeed measured = speed_by_positions(at, {definition}, by_weights, bound_of());
+        return other_estimates(at, {definition}, by_weights, measured).chord_m_s.has_value();
     };
     EXPECT_TRUE(has_chord(SpeedDefinition::displacement));
     EXPECT_FALSE(has_chord(SpeedDefinition::path_length));
@@ -481,8 +484,8 @@ TEST(OtherEstimates, AChordIsOfMeasuredEnds) {
 }
 
 TEST(ErrorAlong, OfAnErrorInOneDirectionIsThatDirections) {
-    // The whole of an error of 80 mm lies along the track: pooled over both axes it looks like one
-    // of 80 / sqrt(2).
+    // The whole of an error of 80 mm lies along the track: pooled over both axes it looks
+    // like one of 80 / sqrt(2).
     RandomGenerator random(12);
     const double decay = std::exp(-0.1 / 1.5);
     std::vector<ArcEpoch<2>> epochs;

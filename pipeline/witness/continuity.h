@@ -50,7 +50,7 @@ std::optional<Eigen::Vector3d> velocity_between(const EnuEpoch& from, const EnuE
 /// position that the velocities predict by three terms together: 5 standard uncertainties as the
 /// positions state them, the effect of 10 m/s^2 over that time, and a quarter of the distance.
 /// False without positions, or without a velocity.
-bool goes_on(const RecordedStep& step, double step_s);
+bool continues(const RecordedStep& step, double step_s);
 
 /// Whether the step certainly took one interval rather than the time of its stamps. The craft
 /// continues steadily over one interval, and at its speed it would have gone further in the stamped

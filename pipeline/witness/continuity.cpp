@@ -1,4 +1,4 @@
-#include "witness/going_on.h"
+#include "witness/continuity.h"
 
 #include <algorithm>
 #include <cmath>
@@ -65,7 +65,7 @@ std::optional<Eigen::Vector3d> velocity_between(const EnuEpoch& from, const EnuE
     return displacement(from, to) / step_s;
 }
 
-bool goes_on(const RecordedStep& step, double step_s) {
+bool continues(const RecordedStep& step, double step_s) {
     if (!is_located(*step.from) || !is_located(*step.to) || (!step.before && !step.after))
         return false;
     const Eigen::Vector3d way = mean_velocity(step) * step_s;
@@ -73,7 +73,7 @@ bool goes_on(const RecordedStep& step, double step_s) {
 }
 
 bool clock_jumped(const RecordedStep& step, double stamped_s, double interval_s) {
-    if (!step.before || !step.after || !goes_on(step, interval_s)) return false;
+    if (!step.before || !step.after || !continues(step, interval_s)) return false;
     const double noise_m = coverage * 2.0 * std::sqrt(variance(*step.from) + variance(*step.to));
     const double speed_m_s =
         std::min(step.before->norm(), step.after->norm()) - noise_m / interval_s;

@@ -23,7 +23,7 @@ struct PairOutcome {
 };
 
 /// Judges the pair of epochs that ends at `epoch`, using the satellites tracked through both.
-/// `noise` is that of the record. `has_position` says whether the receiver's place is known.
+/// `noise` is that of the record. `has_position` says whether the receiver's position is known.
 PairOutcome judge_pair(const PhasePairs& phases, std::size_t epoch, bool has_position,
                        const PhaseNoiseFigures& noise, const ChiSquaredBounds& bounds);
 

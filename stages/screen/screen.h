@@ -68,8 +68,8 @@ ScreenedTable screen(const EnuTable& table, const ScreenConfig& config,
 
 /// Screens the tables of all receivers of an attempt, in their order: each on its own, then the
 /// first two against each other. That comparison covers the vector between the antennas
-/// (`compare_receivers`), and the displacements of each with the other as its witness. `beside` has
-/// one element for each table, or is empty if there is nothing.
+/// (`compare_receivers`), and the displacements of each with the other as its witness.
+/// `witnesses` has one element for each table, or is empty if there is nothing.
 std::vector<ScreenedTable> screen_receivers(std::span<const EnuTable> tables,
                                             const ScreenConfig& config,
                                             std::span<const ScreeningWitnesses> witnesses = {});

@@ -210,7 +210,7 @@ void set_speed_and_budget(const AxesEstimate<Axes>& estimate, const WindowChoice
         window.monte_carlo = monte_carlo(input, window.budget, window.speed_m_s);
 }
 
-/// Raises what is stated beside the speed, as the speed itself: the definitions each by their own.
+/// Raises what is stated with the speed, as the speed itself: the definitions each by their own.
 void raise(const SpeedDefinitions& by, double by_m_s, CertifiableWindow& window) {
     for (const auto definition :
          {&SpeedDefinitions::displacement_m_s, &SpeedDefinitions::path_length_m_s,
@@ -223,7 +223,7 @@ void raise(const SpeedDefinitions& by, double by_m_s, CertifiableWindow& window)
     if (others.chord_m_s) *others.chord_m_s += by_m_s;
 }
 
-/// What is stated beside the speed, of the reference point as the speed itself.
+/// What is stated with the speed, of the reference point as the speed itself.
 void move_to_craft(const CraftCorrection& craft, CertifiableWindow& window) {
     raise(craft.definitions, craft.speed_m_s, window);
     if (window.robust) window.robust->speed_m_s += craft.speed_m_s;

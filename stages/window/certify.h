@@ -88,7 +88,7 @@ void set_uncertainty(CertifiableWindow& window);
 SpeedQuantity quantity_of(const Profile& profile);
 
 /// The measured speed of a window with all sources of uncertainty. A vertical speed is of
-/// ellipsoidal heights. Speeds by witnesses are given beside it. Where they agree, the budget
+/// ellipsoidal heights. Speeds by witnesses are given with it. Where they agree, the budget
 /// contains the uncertainty that they leave (`combine_with_witnesses`). Failure if the trajectory
 /// is not the estimate from these screened epochs.
 template <int Axes>

@@ -17,7 +17,7 @@ struct VelocityEstimate {
     std::vector<ComparedSpeed> compared;  ///< in the rule's dimension
 };
 
-/// A window certified by the recorded velocities, as `certified` does by positions. Their errors
+/// A window certified by the recorded velocities, as `certify_by_positions` does. Their errors
 /// come from the recording (`speed_errors`). The bias of the choice comes from draws of those
 /// errors that may differ between windows (`speed_choice_bias`). The smoothed positions serve as a
 /// witness. Every epoch of the window must state the standard deviation of its velocity.

@@ -229,7 +229,7 @@ struct Shown {
     Order order = Order::time;
 };
 
-/// Where windows are searched, beside the recording.
+/// What limits the search in addition to the recording.
 struct SearchLimits {
     const std::optional<SurveyedCourse>& gates;
     const std::optional<WindowPart>& part;

@@ -42,7 +42,7 @@ WindowConfig window_config(const Attempt& attempt, const Receiver& receiver);
 ///
 /// The speed of the best is the estimate with the position error bounded by the profile's rule
 /// (`error_bound`), with the budget's combined uncertainty. The speeds with the fitted noise and by
-/// the robust solution are given beside it.
+/// the robust solution are given with it.
 ///
 /// `course` comes from the attempt; `records` are other witnesses of the positions. Failure if a
 /// profile needs a course and there is none, or if the trajectory is not the estimate from these

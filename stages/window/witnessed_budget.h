@@ -6,7 +6,7 @@
 #include "schemas/windows/windows.h"
 #include "stages/window/window_fault.h"
 
-// The budget of a window's speed beside its witnesses. Rows and witnesses become one vector of
+// The budget of a window's speed with its witnesses. Rows and witnesses become one vector of
 // speeds with one covariance (motion/joint_speeds.h), and its weighted mean becomes rows again.
 
 namespace runcert {
@@ -21,7 +21,7 @@ inline constexpr double shared_by_phases_m = 0.010;
 /// speed stays 0.
 SpeedBySource positions_of(const std::vector<BudgetRow>& rows, const FaultPrior& fault = {});
 
-/// A window's speed beside its witnesses.
+/// A window's speed with its witnesses.
 struct WitnessedBudget {
     std::vector<WitnessedSpeed> witnesses;  ///< with their shares
     std::vector<BudgetRow> rows;
@@ -43,7 +43,7 @@ WitnessedBudget combine_with_witnesses(const std::vector<BudgetRow>& alone,
                                        const WindowFault& fault, const SelectionBias& selection,
                                        std::vector<WitnessedSpeed> witnesses);
 
-/// Least expanded uncertainty (m/s) beside witnesses: the half-width about the stated speed of the
+/// Least expanded uncertainty (m/s) with witnesses: the half-width about the stated speed of the
 /// mixture whose fault probability is printed, with the coverage of two standard deviations.
 ///
 /// A fault that the witnesses leave no likelier than it was widens nothing: the result is then at

@@ -27,7 +27,7 @@ AntennaSwing antenna_swing(const WitnessRecords& records) {
     return {.bound = records.antenna_motion};
 }
 
-/// What screening, before any attitude is known, could see of the positions beside a witness of
+/// What screening, before any attitude is known, could see of the positions with a witness of
 /// the craft. Empty if it did not compare them.
 std::string antenna_comparison_text(const ScreenedTable& screened, WitnessKind kind) {
     const auto& all = screened.basis.displacements;

@@ -46,7 +46,7 @@ bool is_same_witness(const auto& one, const auto& other) {
     return one.kind == other.kind && one.receiver == other.receiver;
 }
 
-/// Whether a witness comes from a file beside the recording that is judged.
+/// Whether a witness comes from a file other than the recording judged.
 inline bool is_second_file(WitnessKind kind, const WitnessRecords& records) {
     return kind != WitnessKind::velocities && !(kind == WitnessKind::phases && records.own_phases);
 }

@@ -246,7 +246,7 @@ Observations read(const Preset& preset, const Receiver& given, const RecordingBy
                    [&](const TimedRow& row, const RecordPlace& place) {
                        rows.push_back({row, place});
                    });
-        if (preset.interpolates) left_out.interpolated = take_out_interpolated(rows);
+        if (preset.interpolates) left_out.interpolated = remove_interpolated(rows);
         if (unit_is_unknown) drop_speeds(rows, layout);
         for (const PlacedRow& row : rows)
             timed.add(row.row, row.place);

@@ -121,7 +121,7 @@ Extent extent_of(const std::vector<Observation>& rows) {
 }
 
 double speed_of(const RecordedVelocity& row) {
-    return std::hypot(*row.recorded_velocity_east_m_s, *row.recorded_velocity_north_m_s);
+    return *horizontal_speed(row);
 }
 
 /// Leaves of a velocity its length.

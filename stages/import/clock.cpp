@@ -15,19 +15,15 @@ namespace {
 
 constexpr std::int64_t unix_seconds_of_gps_epoch = 315'964'800;
 
-void read_date(const Cell& cell, CalendarTime& calendar) {
-    const std::string_view text = cell.text;
-    const auto year = digits_at(text, 0, 4);
-    const auto month = digits_at(text, 5, 2);
-    const auto day = digits_at(text, 8, 2);
-    const bool separated =
-        text.size() == 10 && (text[4] == '-' || text[4] == '/') && text[7] == text[4];
-    if (!separated || !year || !month || !day)
-        cell.fail(fmt::format("\"{}\" is not a date", escape_for_message(text)),
-                  "Export dates as 2023-07-11 or 2023/07/11: year, month, day");
-    calendar.year = *year;
-    calendar.month = *month;
-    calendar.day = *day;
+/// The date of "2023-07-11", parted by one of these marks, whether it is in the calendar or not;
+/// nothing for another text.
+std::optional<CalendarTime> date_in(std::string_view text, std::string_view marks) {
+    const auto year = digits_at(text, 0, 4), month = digits_at(text, 5, 2),
+               day = digits_at(text, 8, 2);
+    if (text.size() != 10 || !year || !month || !day ||
+        marks.find(text[4]) == std::string_view::npos || text[7] != text[4])
+        return std::nullopt;
+    return CalendarTime{.year = *year, .month = *month, .day = *day};
 }
 
 void read_time_of_day(const Cell& cell, CalendarTime& calendar) {
@@ -172,12 +168,14 @@ Clock clock_at(const Cell& time_of_day, Clock stated, std::string_view& text) {
 }
 
 GpsTime read_calendar(const Cell& date, const Cell& time_of_day, Clock clock) {
-    CalendarTime calendar;
-    read_date(date, calendar);
+    auto calendar = date_in(date.text, "-/");
+    if (!calendar)
+        date.fail(fmt::format("\"{}\" is not a date", escape_for_message(date.text)),
+                  "Export dates as 2023-07-11 or 2023/07/11: year, month, day");
     Cell shown = time_of_day;
     const Clock by = clock_at(time_of_day, clock, shown.text);
-    read_time_of_day(shown, calendar);
-    return instant_of(calendar, by, time_of_day);
+    read_time_of_day(shown, *calendar);
+    return instant_of(*calendar, by, time_of_day);
 }
 
 GpsTime read_iso(const Cell& cell, Clock clock) {
@@ -244,12 +242,8 @@ std::optional<std::int64_t> day_number(int year, int month, int day) {
 std::optional<std::int64_t> attempted_day(const Receiver& receiver) {
     const std::string_view text = receiver.start_date;
     if (text.empty()) return std::nullopt;
-    const auto year = digits_at(text, 0, 4);
-    const auto month = digits_at(text, 5, 2);
-    const auto day = digits_at(text, 8, 2);
-    const bool separated = text.size() == 10 && text[4] == '-' && text[7] == '-';
-    const auto found =
-        separated && year && month && day ? day_number(*year, *month, *day) : std::nullopt;
+    const auto date = date_in(text, "-");
+    const auto found = date ? day_number(date->year, date->month, date->day) : std::nullopt;
     if (!found)
         throw Failure(receiver.place,
                       fmt::format("start_date \"{}\" is not a date", escape_for_message(text)),

@@ -100,8 +100,8 @@ Receiver receiver_of(const std::string& path, const std::string& keys) {
 
 /// Reads what a format recognises. A key that it cannot be read without is stated by a value that
 /// it can be read with, and said to be needed.
-Observations read_somehow(Receiver& receiver, const RecordingBytes& recording,
-                          std::vector<NeededKey>& needed) {
+Observations read_with_needed_keys(Receiver& receiver, const RecordingBytes& recording,
+                                   std::vector<NeededKey>& needed) {
     try {
         return read_recording(receiver, recording);
     } catch (const Failure& failure) {
@@ -169,7 +169,7 @@ Recognition describe_recording(Receiver receiver, const RecordingBytes& recordin
         !gpsbabel::recognises(head))
         return describe_unrecognised(readable);
     std::vector<NeededKey> needed;
-    Observations observations = read_somehow(receiver, recording, needed);
+    Observations observations = read_with_needed_keys(receiver, recording, needed);
     note_writers({recording}, observations);
     Recognition is = recognition_of(observations, receiver, gps_now());
     is.needed.insert(is.needed.begin(), needed.begin(), needed.end());

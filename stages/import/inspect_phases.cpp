@@ -110,19 +110,20 @@ PhaseMotion motion_of(const PhaseRecord& record, const PhaseScreening& screening
     for (std::size_t a = 0; a < record.epochs.size(); ++a) {
         const auto b = epoch_after(record, a, phase_window_ns);
         if (!b) continue;
-        const auto moved = displacement_between(record, screening, a, *b);
-        if (!moved) continue;
-        const Eigen::Vector2d way_m = moved->enu_m.head<2>();
+        const auto displacement = displacement_between(record, screening, a, *b);
+        if (!displacement) continue;
+        const Eigen::Vector2d way_m = displacement->enu_m.head<2>();
         motion.displacements_m.push_back(way_m.norm());
-        const double speed_m_s = way_m.norm() / moved->interval_s;
+        const double speed_m_s = way_m.norm() / displacement->interval_s;
         if (speed_m_s <= motion.fastest.speed_m_s) continue;
         const Eigen::Vector2d along =
             way_m.norm() > 0.0 ? Eigen::Vector2d(way_m.normalized()) : Eigen::Vector2d(1.0, 0.0);
-        const double variance_m2 = along.dot(moved->covariance_m2.topLeftCorner<2, 2>() * along);
+        const double variance_m2 =
+            along.dot(displacement->covariance_m2.topLeftCorner<2, 2>() * along);
         motion.fastest = {.speed_m_s = speed_m_s,
-                          .deviation_m_s = std::sqrt(variance_m2) / moved->interval_s,
+                          .deviation_m_s = std::sqrt(variance_m2) / displacement->interval_s,
                           .first = a,
-                          .satellites = moved->satellites};
+                          .satellites = displacement->satellites};
     }
     return motion;
 }

@@ -166,7 +166,7 @@ void find_beside(Layout& layout, const Description& description, const Recording
                             name_of_place(column), name_of(column), name_of(other)),
                 "Exchange the two in columns, or give them by number if the header is wrong");
     Rows rows;
-    look_at_rows(layout.head, recording, [&](std::span<const Cell> cells) {
+    visit_rows(layout.head, recording, [&](std::span<const Cell> cells) {
         rows.emplace_back(cells.begin(), cells.end());
         return rows.size() >= rows_looked_at;
     });

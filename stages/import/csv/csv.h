@@ -73,6 +73,6 @@ struct PlacedRow {
 /// stays. The rows' order is that of the recording.
 ///
 /// Returns how many were taken out.
-std::size_t take_out_interpolated(std::vector<PlacedRow>& rows);
+std::size_t remove_interpolated(std::vector<PlacedRow>& rows);
 
 }  // namespace runcert::csv

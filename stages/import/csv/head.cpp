@@ -171,8 +171,8 @@ std::optional<Head> find_head(const RecordingBytes& recording, std::optional<cha
     return std::nullopt;
 }
 
-void look_at_rows(const Head& head, const RecordingBytes& recording,
-                  const std::function<bool(std::span<const Cell> cells)>& look) {
+void visit_rows(const Head& head, const RecordingBytes& recording,
+                const std::function<bool(std::span<const Cell> cells)>& look) {
     LineReader lines = head_lines(recording);
     for (auto line = lines.next(); line; line = lines.next()) {
         if (line->number < head.first_row || is_skipped(*line)) continue;
@@ -184,7 +184,7 @@ void look_at_rows(const Head& head, const RecordingBytes& recording,
 std::string_view in_first_row(const Head& head, std::size_t column,
                               const RecordingBytes& recording) {
     std::string_view text;
-    look_at_rows(head, recording, [&](std::span<const Cell> cells) {
+    visit_rows(head, recording, [&](std::span<const Cell> cells) {
         if (column < cells.size()) text = cells[column].text;
         return true;
     });

@@ -68,8 +68,8 @@ void take_lines_under(Head& head, const RecordingBytes& recording,
 
 /// Gives the cells of each row to `look`, until it returns true. Rows whose quotation marks do not
 /// pair are passed over.
-void look_at_rows(const Head& head, const RecordingBytes& recording,
-                  const std::function<bool(std::span<const Cell> cells)>& look);
+void visit_rows(const Head& head, const RecordingBytes& recording,
+                const std::function<bool(std::span<const Cell> cells)>& look);
 
 /// The text of a column, counted from 0, in the first row; empty where there is none.
 std::string_view in_first_row(const Head& head, std::size_t column,

@@ -97,22 +97,22 @@ double interval_of_fixes_s(const std::vector<PlacedRow>& rows, const std::vector
 
 }  // namespace
 
-std::size_t take_out_interpolated(std::vector<PlacedRow>& rows) {
+std::size_t remove_interpolated(std::vector<PlacedRow>& rows) {
     const std::vector<bool> linear = linear_rows(rows);
     const double interval_s = interval_of_fixes_s(rows, linear);
     if (interval_s <= 0.0) return 0;
-    std::size_t kept = 0;
+    std::size_t remaining = 0;
     for (std::size_t i = 0; i < rows.size(); ++i) {
         if (linear[i]) {
-            const double intervals = seconds_between(rows[kept - 1], rows[i]) / interval_s;
+            const double intervals = seconds_between(rows[remaining - 1], rows[i]) / interval_s;
             if (intervals < 0.5 || std::abs(intervals - std::round(intervals)) > share_of_interval)
                 continue;
         }
-        if (kept != i) rows[kept] = std::move(rows[i]);
-        ++kept;
+        if (remaining != i) rows[remaining] = std::move(rows[i]);
+        ++remaining;
     }
-    const std::size_t taken = rows.size() - kept;
-    rows.erase(rows.begin() + static_cast<std::ptrdiff_t>(kept), rows.end());
+    const std::size_t taken = rows.size() - remaining;
+    rows.erase(rows.begin() + static_cast<std::ptrdiff_t>(remaining), rows.end());
     return taken;
 }
 

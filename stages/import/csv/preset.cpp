@@ -222,7 +222,15 @@ bool recognises(const Preset& preset, std::string_view bytes) {
     return false;
 }
 
-Observations read(const Preset& preset, const Receiver& given, const RecordingBytes& recording) {
+Observations read(const Preset& preset, const Receiver& given, const RecordingBytes& as_written) {
+    std::string text;
+    if (preset.filled_with_nul) {
+        text = as_written.bytes;
+        std::ranges::replace(text, '\0', ' ');
+    }
+    const RecordingBytes recording = preset.filled_with_nul
+                                         ? RecordingBytes{.name = as_written.name, .bytes = text}
+                                         : as_written;
     require_text(recording);
     Layout layout = preset_layout(preset, recording);
     const Receiver receiver = described(preset, given, layout, recording);
@@ -246,7 +254,7 @@ Observations read(const Preset& preset, const Receiver& given, const RecordingBy
                    [&](const TimedRow& row, const RecordPlace& place) {
                        rows.push_back({row, place});
                    });
-        if (preset.interpolates) left_out.interpolated = take_out_interpolated(rows);
+        if (preset.interpolates) left_out.interpolated = remove_interpolated(rows);
         if (unit_is_unknown) drop_speeds(rows, layout);
         for (const PlacedRow& row : rows)
             timed.add(row.row, row.place);
@@ -257,7 +265,7 @@ Observations read(const Preset& preset, const Receiver& given, const RecordingBy
     note_left_out(layout, left_out, timed.size());
     if (!preset.note.empty()) layout.notes.emplace_back(preset.note);
     return observations_of_table(receiver, description, layout, std::move(timed), recording,
-                                 preset.format);
+                                 preset.format.name);
 }
 
 }  // namespace runcert::csv

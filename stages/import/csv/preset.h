@@ -20,11 +20,7 @@ struct PresetColumn {
 };
 
 struct Preset {
-    std::string_view format;  ///< as the attempt's `format` has it
-    std::string_view what;    ///< as Format has it; so the next three
-    int place = 0;
-    bool of_satellites = false;
-    std::string_view time_origin;
+    Format format;             ///< what it says of itself
     std::string_view program;  ///< in words, for messages
     /// How one of the first lines begins.
     std::span<const std::string_view> beginnings;
@@ -37,6 +33,7 @@ struct Preset {
     std::string_view note = {};                ///< on its rows
     std::string_view speed_unit = {};          ///< where it is known and the header has none
     std::optional<DateOrder> date_order = {};  ///< of dates whose order no header says
+    bool filled_with_nul = false;              ///< cells, where other programs write blanks
 };
 
 bool recognises(const Preset& preset, std::string_view bytes);
@@ -46,19 +43,7 @@ bool recognises(const Preset& preset, std::string_view bytes);
 /// to write. Failure as of every table.
 Observations read(const Preset& preset, const Receiver& receiver, const RecordingBytes& recording);
 
-/// The preset as a format, read as above unless it has a way of its own.
-template <const Preset& preset>
-constexpr Format format_of(decltype(Format::read) its_own = nullptr) {
-    return {.name = preset.format,
-            .what = preset.what,
-            .place = preset.place,
-            .of_satellites = preset.of_satellites,
-            .time_origin = preset.time_origin,
-            .recognises = [](std::string_view bytes) { return recognises(preset, bytes); },
-            .read = its_own ? its_own
-                            : [](const Receiver& receiver,
-                                 const RecordingBytes&
-                                     recording) { return read(preset, receiver, recording); }};
-}
+/// The formats of all presets, read as above.
+std::span<const Format> preset_formats();
 
 }  // namespace runcert::csv

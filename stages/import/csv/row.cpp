@@ -247,21 +247,15 @@ void set_written_coordinates(WrittenCells& written, const Fields& fields, Coordi
         written.coordinates[i] = fields.cell(columns[i]).text;
 }
 
-/// As many decimals of a second as those of a day show: four less, of five digits.
-std::string_view day_decimals(std::string_view text) {
-    const std::size_t decimals = text.size() - std::min(text.find('.') + 1, text.size());
-    return std::string_view("0.000000000")
-        .substr(0, decimals > 5 ? 2 + std::min<std::size_t>(decimals - 5, 9) : 1);
-}
-
-/// The part of a time that shows its decimals.
+/// The part of a time that shows its decimals; of other counts than of seconds a number with as
+/// many decimals as it has of a second.
 std::string_view written_time(std::string_view text, const Description& description) {
-    if (description.days) return day_decimals(text);
-    if (description.date_order) return seconds_text(text);
-    if (description.time_shift == 0) return text;
+    if (description.date_order && !description.days) return seconds_text(text);
+    if (description.time_shift == 0 && !description.days) return text;
     constexpr std::string_view pattern = "0.000000000";
-    const std::size_t point = text.find('.');
-    const std::size_t decimals = point == std::string_view::npos ? 0 : text.size() - point - 1;
+    const std::size_t decimals = text.size() - std::min(text.find('.'), text.size() - 1) - 1;
+    // Of a day's decimals five are whole seconds.
+    if (description.days) return pattern.substr(0, decimals > 5 ? decimals - 3 : 1);
     return pattern.substr(0, 2 + decimals + static_cast<std::size_t>(description.time_shift));
 }
 

@@ -97,7 +97,7 @@ struct SeenDates {
 SeenDates see_dates(const Layout& layout, const Description& description,
                     const RecordingBytes& recording) {
     SeenDates seen;
-    look_at_rows(layout.head, recording, [&](std::span<const Cell> cells) {
+    visit_rows(layout.head, recording, [&](std::span<const Cell> cells) {
         const auto [date, time] = date_and_time(cells, layout, description);
         if (date.text.empty() || time.text.empty()) return false;
         if (!seen.first) seen.iso = is_iso(date.text, time.text);
@@ -127,7 +127,7 @@ bool settle_days(Layout& layout, Description& description, const RecordingBytes&
     std::optional<double> before;
     std::size_t close = 0, rows = 0;
     std::optional<DayCountKind> kind;
-    look_at_rows(layout.head, recording, [&](std::span<const Cell> cells) {
+    visit_rows(layout.head, recording, [&](std::span<const Cell> cells) {
         const std::size_t column = *layout[Column::time];
         const std::string_view text = column < cells.size() ? cells[column].text : "";
         const auto found = day_count_of(text);
@@ -145,7 +145,7 @@ bool settle_days(Layout& layout, Description& description, const RecordingBytes&
 }
 
 void settle_unix(Layout& layout, Description& description, const RecordingBytes& recording) {
-    look_at_rows(layout.head, recording, [&](std::span<const Cell> cells) {
+    visit_rows(layout.head, recording, [&](std::span<const Cell> cells) {
         const std::size_t column = *layout[Column::time];
         const auto shift = column < cells.size() ? unix_shift(cells[column].text) : std::nullopt;
         description.time_shift = shift.value_or(0);

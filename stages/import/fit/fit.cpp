@@ -158,7 +158,7 @@ void read_instrument(const Message& message, Instrument& instrument) {
         set(instrument.firmware, fmt::format("{}.{:02}", *version / 100, *version % 100));
 }
 
-Contents look_through(const RecordingBytes& recording) {
+Contents read_contents(const RecordingBytes& recording) {
     Contents contents;
     contents.decoded = decode(recording, [&](const Message& message) {
         if (message.number == file_id && !contents.manufacturer) {
@@ -197,7 +197,7 @@ void note(Observations& observations, const Contents& contents) {
 
 Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     require_readable(recording);
-    const Contents contents = look_through(recording);
+    const Contents contents = read_contents(recording);
     const bool metadata = contents.uses_metadata();
     RowCollector timed(recording, WrittenResolution(CoordinateUnit::degree, degrees_per_semicircle,
                                                     metadata ? 1e-3 : 1.0));

@@ -162,9 +162,9 @@ bool is_log_of_workings(std::string_view bytes) {
 }
 
 /// Reads a recording line by line; either version is known by its header.
-class Reader {
+class FlySightReader {
   public:
-    explicit Reader(const RecordingBytes& recording)
+    explicit FlySightReader(const RecordingBytes& recording)
         : recording_(recording), lines_(recording), timed_(recording) {}
 
     Observations read() {
@@ -308,7 +308,7 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
             place_in(recording, 1, 1),
             "the recording is a FlySight's log of its own workings and holds no positions",
             remedy_for_no_positions);
-    Observations observations = Reader(recording).read();
+    Observations observations = FlySightReader(recording).read();
     observations.notes.emplace_back(note_heights_above_sea_level);
     apply_attempt(observations, receiver);
     note_text(observations, recording);

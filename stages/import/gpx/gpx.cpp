@@ -152,9 +152,9 @@ class LineCounter {
 };
 
 /// Reads a recording tag by tag.
-class Reader {
+class GpxReader {
   public:
-    explicit Reader(const RecordingBytes& recording)
+    explicit GpxReader(const RecordingBytes& recording)
         : recording_(recording), lines_(recording.bytes), timed_(recording), points_(recording) {}
 
     Observations read() {
@@ -286,7 +286,7 @@ std::optional<Tag> root_tag(std::string_view bytes) {
 
 Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     require_text(recording);
-    Observations observations = Reader(recording).read();
+    Observations observations = GpxReader(recording).read();
     observations.format = "gpx";
     observations.frame = "geodetic";
     apply_attempt(observations, receiver);

@@ -56,9 +56,9 @@ std::string shown(std::string_view text) {
 }
 
 /// Reads a flight log line by line.
-class Reader {
+class IgcReader {
   public:
-    Reader(const Receiver& receiver, const RecordingBytes& recording)
+    IgcReader(const Receiver& receiver, const RecordingBytes& recording)
         : recording_(recording), timed_(recording) {
         if (const auto day = attempted_day(receiver)) clock_.emplace(day);
     }
@@ -223,7 +223,7 @@ bool recognises(std::string_view bytes) {
 /// figure for all fixes in its header (HFFXA) states none of the single fix, and so none here.
 Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     require_text(recording);
-    Observations observations = Reader(receiver, recording).read();
+    Observations observations = IgcReader(receiver, recording).read();
     observations.format = "igc";
     observations.frame = "geodetic";
     apply_attempt(observations, receiver);

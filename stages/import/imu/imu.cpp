@@ -92,7 +92,7 @@ double tilt_deg(const HeldImu& held, const Eigen::Vector3d& force) {
     return Angle::from_radians(std::atan2(std::hypot(craft.x(), craft.y()), -craft.z())).degrees();
 }
 
-std::optional<ImuRest> rest_of(const HeldImu& held) {
+std::optional<ImuRest> measured_at_rest(const HeldImu& held) {
     const auto quiet = quietest_second(held.raw, held.sampling);
     if (!quiet) return std::nullopt;
     const RawSample& first = held.raw.samples[quiet->begin];
@@ -164,7 +164,7 @@ StreamedImu import_imu(const Receiver& receiver, const RecordingBytes& file,
     head.mount = imu.mount;
     head.clock = held->sampling.clock;
     head.found = found_in(*held);
-    head.rest = rest_of(*held);
+    head.rest = measured_at_rest(*held);
     head.records = held->raw.records;
     head.notes = held->raw.notes;
     if (!imu.axes && head.format != "kf-gins")

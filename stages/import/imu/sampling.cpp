@@ -38,10 +38,10 @@ bool repeats(const RawSample& sample, const RawSample& before) {
 
 /// The samples without those that only repeat the one before.
 std::vector<RawSample> measured(const std::vector<RawSample>& samples) {
-    std::vector<RawSample> kept;
+    std::vector<RawSample> remaining;
     for (const RawSample& sample : samples)
-        if (kept.empty() || !repeats(sample, kept.back())) kept.push_back(sample);
-    return kept;
+        if (remaining.empty() || !repeats(sample, remaining.back())) remaining.push_back(sample);
+    return remaining;
 }
 
 /// A straight line through the stamps of a stretch: the first one's time and the step (ns).
@@ -146,15 +146,15 @@ class Evening {
             for (std::ptrdiff_t k = i + 1; k < end; ++k)
                 is_largest = is_largest && std::abs(step(k)) <= std::abs(step(i));
             if (!is_largest) continue;  // that step is looked at in its turn
-            const double moved =
+            const double shift_ns =
                 median_of(i, end) - median_of(std::max(begins.back(), i - looked_at), i);
-            if (moved < -period_ / 2.0)
+            if (shift_ns < -period_ / 2.0)
                 throw Failure(
                     place_of(at(i), file_),
-                    fmt::format("the time goes back by {} s", format_fixed(-moved * 1e-9, 3)),
+                    fmt::format("the time goes back by {} s", format_fixed(-shift_ns * 1e-9, 3)),
                     "Hand in each session in a file of its own: the clock was set, or two "
                     "files were put together");
-            if (moved > period_ / 2.0) begins.push_back(i);
+            if (shift_ns > period_ / 2.0) begins.push_back(i);
         }
         begins.push_back(n);
         return begins;
@@ -177,10 +177,10 @@ class Evening {
 Sampling as_stamped(const RecordingBytes& file, std::vector<RawSample>& samples) {
     const double usual = usual_step(samples);
     Sampling made;
-    std::vector<RawSample> kept;
+    std::vector<RawSample> remaining;
     for (const RawSample& sample : samples)
-        if (kept.empty() || sample.time_ns > kept.back().time_ns)
-            kept.push_back(sample);
+        if (remaining.empty() || sample.time_ns > remaining.back().time_ns)
+            remaining.push_back(sample);
         else
             ++made.left_out;
     if (static_cast<double>(made.left_out) > uneven_share * static_cast<double>(samples.size()))
@@ -188,7 +188,7 @@ Sampling as_stamped(const RecordingBytes& file, std::vector<RawSample>& samples)
                      fmt::format("{} of {} samples have a time that is not after that of the one "
                                  "before",
                                  made.left_out, samples.size()));
-    samples = std::move(kept);
+    samples = std::move(remaining);
     const double step = samples.size() > 1 ? usual_step(samples) : 1e9;
     std::vector<double> steps;
     for (std::size_t i = 1; i < samples.size(); ++i)
@@ -248,10 +248,10 @@ bool has_rate(const std::vector<RawSample>& samples, double period_ns) {
 std::int64_t settle_rate(const Imu& imu, const RecordingBytes& file, RawFile& raw) {
     const double period = 1e9 / *imu.rate_hz;
     if (has_rate(raw.samples, period)) return 0;
-    std::vector<RawSample> kept = measured(raw.samples);
-    if (kept.size() > block && has_rate(kept, period)) {
-        const std::int64_t held = std::ssize(raw.samples) - std::ssize(kept);
-        raw.samples = std::move(kept);
+    std::vector<RawSample> remaining = measured(raw.samples);
+    if (remaining.size() > block && has_rate(remaining, period)) {
+        const std::int64_t held = std::ssize(raw.samples) - std::ssize(remaining);
+        raw.samples = std::move(remaining);
         return held;
     }
     const double step = usual_step(raw.samples);

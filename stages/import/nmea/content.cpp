@@ -196,7 +196,7 @@ Solution read_gns(const Sentence& gns) {
 }
 
 /// All or nothing.
-void take_in_rmc(const Sentence& rmc, Epoch& epoch) {
+void read_rmc(const Sentence& rmc, Epoch& epoch) {
     OptionalInteger date;
     if (!rmc[9].empty()) date = read_date(rmc.cell(9));
     Solution solution = begin_solution(rmc, FixType::none);
@@ -240,7 +240,7 @@ ErrorStatistics read_gst(const Sentence& gst) {
             .sigma_up_m = sigma(8).value};
 }
 
-void take_in_gsa(const Sentence& gsa, Epoch& epoch) {
+void count_gsa(const Sentence& gsa, Epoch& epoch) {
     if (gsa[2].empty()) return;
     const auto mode = read_whole(gsa.cell(2), "mode", 1, 3);
     ++epoch.satellite_lists;
@@ -270,7 +270,7 @@ void require_whole(const Sentence& sentence) {
                   "It is cut off; take the recording as the receiver wrote it");
 }
 
-void take_in(const Sentence& sentence, Epoch& epoch) {
+void add_sentence(const Sentence& sentence, Epoch& epoch) {
     switch (sentence.type) {
         case SentenceType::gga:
             epoch.gga = read_gga(sentence);
@@ -279,7 +279,7 @@ void take_in(const Sentence& sentence, Epoch& epoch) {
             epoch.gns = read_gns(sentence);
             return;
         case SentenceType::rmc:
-            return take_in_rmc(sentence, epoch);
+            return read_rmc(sentence, epoch);
         case SentenceType::vtg:
             epoch.vtg_velocity = read_vtg(sentence);
             return;
@@ -287,7 +287,7 @@ void take_in(const Sentence& sentence, Epoch& epoch) {
             epoch.errors = read_gst(sentence);
             return;
         case SentenceType::gsa:
-            return take_in_gsa(sentence, epoch);
+            return count_gsa(sentence, epoch);
         case SentenceType::zda:
             if (!sentence[2].empty() && !epoch.date)
                 epoch.date = read_date(sentence.cell(2), sentence.cell(3), sentence.cell(4));

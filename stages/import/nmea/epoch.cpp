@@ -105,7 +105,7 @@ std::optional<Epoch> EpochReader::next() {
                 held_ = sentence;
                 return std::exchange(epoch_, std::nullopt);
             }
-            take_in(*sentence);
+            add_sentence(*sentence);
         } catch (const Failure& failure) {
             count_bad(*sentence, failure);
         }
@@ -139,7 +139,7 @@ bool EpochReader::is_repeated(const Sentence& sentence) {
     return repeated;
 }
 
-void EpochReader::take_in(const Sentence& sentence) {
+void EpochReader::add_sentence(const Sentence& sentence) {
     if (sentence.type == SentenceType::txt) return name_device(sentence, tally_);
     require_whole(sentence);
     tally_.sentences |= bit(sentence.type);
@@ -155,7 +155,7 @@ void EpochReader::take_in(const Sentence& sentence) {
             epoch_->time_text = sentence[1];
         }
         if (epoch_ && !is_repeated(sentence)) {
-            nmea::take_in(sentence, *epoch_);
+            nmea::add_sentence(sentence, *epoch_);
             if (sentence.type == SentenceType::gga && epoch_->gga.fix == FixType::unknown &&
                 !sentence[6].empty())
                 ++tally_.odd_qualities;

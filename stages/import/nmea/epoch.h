@@ -142,7 +142,7 @@ class EpochReader {
   private:
     bool is_of_other_talker(const Sentence& sentence) const;
     bool begins_next_epoch(const Sentence& sentence);
-    void take_in(const Sentence& sentence);
+    void add_sentence(const Sentence& sentence);
     bool is_repeated(const Sentence& sentence);
     void count_bad(const Sentence& sentence, const Failure& why);
     void count_damaged(const Sentence& sentence);
@@ -163,7 +163,7 @@ void require_whole(const Sentence& sentence);
 /// Takes in what a sentence says, one that is whole. A position only where GGA, GNS or RMC says
 /// that there is one; position (without height), velocity and date of RMC all or nothing; of VTG
 /// nothing where the receiver says that it is not valid; of GSA the count of lists by their modes.
-void take_in(const Sentence& sentence, Epoch& epoch);
+void add_sentence(const Sentence& sentence, Epoch& epoch);
 
 /// Whether an epoch has a sentence that says where the receiver is, or that it does not know.
 bool says_position(const Epoch& epoch);

@@ -252,9 +252,9 @@ bool is_known(std::string_view time_status) {
     return time_status.empty() || time_status.starts_with("FINE");
 }
 
-class Reader {
+class NovatelReader {
   public:
-    Reader(const RecordingBytes& recording, std::string_view positions)
+    NovatelReader(const RecordingBytes& recording, std::string_view positions)
         : recording_(recording),
           positions_(positions),
           velocities_(velocity_log(positions)),
@@ -367,7 +367,7 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
         throw Failure(place_in(recording, RecordPlace(0)),
                       "the recording has no NovAtel log of positions",
                       "Record BESTPOSA and BESTVELA, both at every epoch (ONTIME 0.1)");
-    Observations observations = Reader(recording, positions).read();
+    Observations observations = NovatelReader(recording, positions).read();
     apply_attempt(observations, receiver);
     note_text(observations, recording);
     return observations;

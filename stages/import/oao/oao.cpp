@@ -141,9 +141,9 @@ bool is_signed(std::string_view header) {
 }
 
 /// Goes through a recording frame by frame.
-class Reader {
+class OaoReader {
   public:
-    explicit Reader(const RecordingBytes& recording)
+    explicit OaoReader(const RecordingBytes& recording)
         : recording_(recording), timed_(recording, {CoordinateUnit::degree, 1e-7, 1e-3}) {}
 
     Observations read() {
@@ -203,7 +203,7 @@ bool recognises(std::string_view bytes) {
 }
 
 Observations read(const Receiver& receiver, const RecordingBytes& recording) {
-    Observations observations = Reader(recording).read();
+    Observations observations = OaoReader(recording).read();
     observations.notes.emplace_back(note_heights_above_sea_level);
     apply_attempt(observations, receiver);
     return observations;

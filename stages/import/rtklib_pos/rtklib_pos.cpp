@@ -222,7 +222,7 @@ TimedRow read_row(std::span<const Cell> cells, const Layout& layout, const Local
 
 /// Whether a line begins as a row: a date and a time of day, or a week and its seconds, and
 /// enough after them.
-bool looks_like_row(const SourceLine& line) {
+bool is_row_without_header(const SourceLine& line) {
     const RecordingBytes nameless;
     const auto fields = split_words(line, line.text, nameless);
     if (fields.size() < 14) return false;
@@ -248,10 +248,10 @@ bool is_llh(const RecordingBytes& recording) {
 }
 
 /// Reads a recording line by line, header lines wherever they stand.
-class Reader {
+class SolutionReader {
   public:
     /// Holds the rows, or gives them to `take` where there is one.
-    explicit Reader(const RecordingBytes& recording, TakeRow take = {})
+    explicit SolutionReader(const RecordingBytes& recording, TakeRow take = {})
         : recording_(recording), lines_(recording), timed_(recording, std::move(take)) {}
 
     /// Of what read() read.
@@ -364,7 +364,7 @@ bool recognises(std::string_view bytes) {
         if (line->number > lines_to_recognise) break;
         if (is_column_line(line->text)) return true;
         if (line->text.starts_with('%') || trim(line->text).empty()) continue;
-        if (header_lines_only && looks_like_row(*line)) return true;
+        if (header_lines_only && is_row_without_header(*line)) return true;
         header_lines_only = false;
     }
     return false;
@@ -372,7 +372,7 @@ bool recognises(std::string_view bytes) {
 
 Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     require_text(recording);
-    Observations observations = Reader(recording).read();
+    Observations observations = SolutionReader(recording).read();
     apply_attempt(observations, receiver);
     note_text(observations, recording);
     return observations;
@@ -382,13 +382,13 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
 /// again when they are asked for.
 StreamedRecording read_streamed(const Receiver& receiver, const RecordingBytes& recording) {
     require_text(recording);
-    Reader first_pass(recording, [](const Observation&) {});
+    SolutionReader first_pass(recording, [](const Observation&) {});
     StreamedRecording result{
         .head = first_pass.read(), .rows = first_pass.summary().rows, .give = {}};
     const RowChanges changes = apply_attempt(result.head, first_pass.summary(), receiver);
     note_text(result.head, recording);
     result.give = [recording, changes, first = first_pass.summary().first](const TakeRow& take) {
-        Reader(recording, [&](Observation& row) {
+        SolutionReader(recording, [&](Observation& row) {
             row.time.nanoseconds -= first.nanoseconds();
             changes.apply(row);
             take(row);

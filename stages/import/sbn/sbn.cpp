@@ -199,9 +199,9 @@ std::int64_t right_leap_seconds(GpsTime instant) {
 }
 
 /// Reads a log frame by frame.
-class Reader {
+class SbnReader {
   public:
-    explicit Reader(const RecordingBytes& recording)
+    explicit SbnReader(const RecordingBytes& recording)
         : recording_(recording),
           timed_(recording, WrittenResolution{CoordinateUnit::degree, 1e-7, 1e-3}) {}
 
@@ -283,7 +283,7 @@ bool recognises(std::string_view bytes) {
 /// Times are the message's GPS week and time of week; its UTC, which depends on the leap seconds
 /// that the receiver has received by then, is compared with them and noted where it is off.
 Observations read(const Receiver& receiver, const RecordingBytes& recording) {
-    Observations observations = Reader(recording).read();
+    Observations observations = SbnReader(recording).read();
     apply_attempt(observations, receiver);
     return observations;
 }

@@ -146,7 +146,7 @@ bool repeats(const Observation& row, const Observation& before) {
 }
 
 /// Whether the craft moved between two rows by what its speed makes in `nominal_s`, to a quarter.
-bool moved_for(double nominal_s, const Observation& before, const Observation& row) {
+bool moves_as_in(double nominal_s, const Observation& before, const Observation& row) {
     if (!before.latitude_deg || !row.latitude_deg) return false;
     const double mean_m_s = 0.5 * (speed_m_s(before) + speed_m_s(row));
     if (mean_m_s < least_speed_m_s) return false;
@@ -184,7 +184,7 @@ UtcJumps find_utc_jumps(const Observations& observations) {
         const std::int64_t seconds = jump_seconds(step_ns, nominal_ns);
         if (seconds == 0) continue;
         if (seconds < 0 ? repeats(rows[i], rows[i - 1])
-                        : !moved_for(nominal_s, rows[i - 1], rows[i]))
+                        : !moves_as_in(nominal_s, rows[i - 1], rows[i]))
             continue;
         if (jumps.first.size() < UtcJumps::listed_at_most) jumps.first.push_back({i, seconds});
         ++jumps.count;

@@ -50,9 +50,9 @@ FixType read_mode(const Cell& cell) {
     return fix_of_mode[static_cast<std::size_t>(read_whole(cell, "PVT mode", 0, 255) & 15)];
 }
 
-class Reader {
+class Sbf2ascReader {
   public:
-    Reader(const RecordingBytes& recording, const Block& block)
+    Sbf2ascReader(const RecordingBytes& recording, const Block& block)
         : recording_(recording),
           block_(block),
           timed_(recording,
@@ -180,7 +180,7 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
         throw Failure(place_in(recording, RecordPlace(std::size_t{0})),
                       "the text has no rows of PVTGeodetic (-1) or PVTCartesian (0)",
                       "Convert the SBF file with: sbf2asc -g -f FILE -o run.asc");
-    Observations observations = Reader(recording, *block).read();
+    Observations observations = Sbf2ascReader(recording, *block).read();
     apply_attempt(observations, receiver);
     note_text(observations, recording);
     return observations;

@@ -59,9 +59,9 @@ std::string identity_of(std::string_view payload) {
 }
 
 /// Reads a recording frame by frame, and joins those of one navigation epoch.
-class Reader {
+class UbxReader {
   public:
-    explicit Reader(const RecordingBytes& recording)
+    explicit UbxReader(const RecordingBytes& recording)
         : recording_(recording),
           frames_(recording, frame_kind),
           maker_(recording),
@@ -70,7 +70,7 @@ class Reader {
     Observations read() {
         while (const auto frame = frames_.next()) {
             if (frame->good())
-                take_in(*frame);
+                add_frame(*frame);
             else
                 timed_.count_bad(RecordPlace(frame->offset), frames_.failure_of(*frame),
                                  epoch_ && epoch_->is_whole());
@@ -89,7 +89,7 @@ class Reader {
   private:
     static unsigned bit_of(Part part) { return 1U << static_cast<unsigned>(part); }
 
-    void take_in(const Frame& frame) {
+    void add_frame(const Frame& frame) {
         timed_.count_good();
         const MessageId id = id_of(frame.bytes);
         const std::string_view payload = payload_of(frame);
@@ -259,7 +259,7 @@ bool recognises(std::string_view bytes) {
 }
 
 Observations read(const Receiver& receiver, const RecordingBytes& recording) {
-    Observations observations = Reader(recording).read();
+    Observations observations = UbxReader(recording).read();
     apply_attempt(observations, receiver);
     return observations;
 }

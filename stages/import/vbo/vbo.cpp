@@ -134,21 +134,21 @@ Layout place_unnamed(const Layout& from_left, std::span<const Cell> first, const
     std::optional<Layout> best;
     double least = most_misfit_unnamed;
     for (std::size_t at = from_left.named + 1; at-- > 0;) {
-        Layout moved = from_left;
-        moved.unnamed_at = at;
-        for (auto& place : moved.place)
+        Layout shifted = from_left;
+        shifted.unnamed_at = at;
+        for (auto& place : shifted.place)
             if (place && *place >= at) *place += from_left.fields - from_left.named;
         try {
-            (void)read_row(Row(first, moved), moved, true);
+            (void)read_row(Row(first, shifted), shifted, true);
         } catch (const Failure&) {
             continue;
         }
-        if (!time_of_day_ns(first[*moved[Column::time]].text)) continue;
-        const Survey surveyed = survey(lines, recording, moved);
-        if (at == from_left.named && !surveyed.speeds_fit) best = moved;  // for want of speeds
+        if (!time_of_day_ns(first[*shifted[Column::time]].text)) continue;
+        const Survey surveyed = survey(lines, recording, shifted);
+        if (at == from_left.named && !surveyed.speeds_fit) best = shifted;  // for want of speeds
         if (!surveyed.speeds_fit.value_or(false) || surveyed.misfit >= least) continue;
         least = surveyed.misfit;
-        best = moved;
+        best = shifted;
     }
     if (best) return *best;
     throw Failure(

@@ -114,19 +114,19 @@ constexpr Preset presets[] = {
      .date_order = DateOrder::year_first,
      .filled_with_nul = true}};
 
-template <const Preset& preset>
+template <std::size_t row>
 constexpr Format format_of() {
-    Format format = preset.format;
-    format.recognises = [](std::string_view bytes) { return recognises(preset, bytes); };
+    Format format = presets[row].format;
+    format.recognises = [](std::string_view bytes) { return recognises(presets[row], bytes); };
     format.read = [](const Receiver& receiver, const RecordingBytes& recording) {
-        return read(preset, receiver, recording);
+        return read(presets[row], receiver, recording);
     };
     return format;
 }
 
-constexpr std::array formats{format_of<presets[0]>(), format_of<presets[1]>(),
-                             format_of<presets[2]>(), format_of<presets[3]>(),
-                             format_of<presets[4]>()};
+constexpr std::array formats{format_of<0>(), format_of<1>(), format_of<2>(), format_of<3>(),
+                             format_of<4>()};
+static_assert(formats.size() == std::size(presets));
 
 }  // namespace
 

@@ -1,4 +1,5 @@
 #include <array>
+#include <utility>
 
 #include "stages/import/csv/preset.h"
 
@@ -114,19 +115,20 @@ constexpr Preset presets[] = {
      .date_order = DateOrder::year_first,
      .filled_with_nul = true}};
 
-template <const Preset& preset>
-constexpr Format format_of() {
-    Format format = preset.format;
-    format.recognises = [](std::string_view bytes) { return recognises(preset, bytes); };
-    format.read = [](const Receiver& receiver, const RecordingBytes& recording) {
-        return read(preset, receiver, recording);
+template <std::size_t... row>
+constexpr auto formats_of(std::index_sequence<row...>) {
+    const auto format_of = []<std::size_t i>(std::integral_constant<std::size_t, i>) {
+        Format format = presets[i].format;
+        format.recognises = [](std::string_view bytes) { return recognises(presets[i], bytes); };
+        format.read = [](const Receiver& receiver, const RecordingBytes& recording) {
+            return read(presets[i], receiver, recording);
+        };
+        return format;
     };
-    return format;
+    return std::array{format_of(std::integral_constant<std::size_t, row>())...};
 }
 
-constexpr std::array formats{format_of<presets[0]>(), format_of<presets[1]>(),
-                             format_of<presets[2]>(), format_of<presets[3]>(),
-                             format_of<presets[4]>()};
+constexpr auto formats = formats_of(std::make_index_sequence<std::size(presets)>());
 
 }  // namespace
 

@@ -144,7 +144,7 @@ function(runcert_precompile folder)
     set(framework_header)
     if("GTest::gtest" IN_LIST links)
       set(framework GTest::gtest)
-      set(framework_header <gtest/gtest.h> <nlohmann/json.hpp> <fstream> <regex> <sstream>)
+      set(framework_header <gtest/gtest.h> <fstream> <regex> <sstream>)
     endif()
     string(MAKE_C_IDENTIFIER "runcert_precompiled${options}${framework}" owner)
     if(NOT TARGET ${owner})
@@ -154,7 +154,7 @@ function(runcert_precompile folder)
       target_link_libraries(${owner} PRIVATE runcert_options fmt::fmt Eigen3::Eigen Threads::Threads
         ${framework})
       target_precompile_headers(${owner} PRIVATE <algorithm> <array> <cmath> <cstdint> <filesystem>
-        <functional> <map> <optional> <set> <span> <string> <vector> <Eigen/Core> <fmt/format.h>
+        <functional> <map> <optional> <set> <span> <string> <vector> <Eigen/Core> <fmt/format.h> <nlohmann/json.hpp>
         ${framework_header})
     endif()
     target_precompile_headers(${target} REUSE_FROM ${owner})

@@ -107,7 +107,7 @@ std::string limit_words(const Profile& profile, const Requirement& requirement) 
 }
 
 /// Who answered for a clause, and what.
-std::vector<std::string> answers_for(const std::string& name, const ExplainOptions& options) {
+std::vector<std::string> explanations_of(const std::string& name, const ExplainOptions& options) {
     const auto found = options.answers.find(name);
     return found == options.answers.end() ? std::vector<std::string>() : found->second;
 }
@@ -140,7 +140,7 @@ Section clause_section(const RuleView& rule, const Requirement& requirement,
         add_fact(told, "Answered by",
                  fmt::format("{} in the role {}", requirement.answered_by->count,
                              requirement.answered_by->role));
-    for (std::string& answer : answers_for(name, options))
+    for (std::string& answer : explanations_of(name, options))
         add_fact(told, "Answer", std::move(answer));
     return {.anchor = name,
             .title = fmt::format("{}: {}", name, upper_case(words_of(requirement.status))),
@@ -200,7 +200,7 @@ Section decision_section(const RuleView& view, const ExplainOptions& options, bo
     if (!in_short) return section;
     Block clauses = requirement_rows(verdict, Level::annex);
     for (TableRow& row : clauses.rows)
-        std::ranges::move(answers_for(full_name(view, row.clause), options),
+        std::ranges::move(explanations_of(full_name(view, row.clause), options),
                           std::back_inserter(row.further));
     add(section, std::move(clauses));
     return section;

@@ -18,8 +18,8 @@ struct Format {
     /// Its place among the formats, ascending, as they are listed and tried: those that no other
     /// could be taken for come first.
     int place = 0;
-    bool of_satellites = false;    ///< whether its time stamps are the satellites' time
-    std::string_view time_origin;  ///< what its time stamps are, in words
+    bool stamps_satellite_time = false;  ///< whether its time stamps are the satellites' time
+    std::string_view time_origin;        ///< what its time stamps are, in words
     /// Whether the beginning of a recording (`recognised_by` bytes at most) is of it. Null where
     /// its content does not say how it is to be read.
     bool (*recognises)(std::string_view bytes) = nullptr;

@@ -118,9 +118,9 @@ std::optional<StreamedRecording> import_streamed(const Receiver& receiver,
 void note_origins_of_head(const Receiver& receiver, Observations& head) {
     const Format* format = find_format(head.format);
     head.time_origin = format ? format->time_origin : "";
-    head.facts.time_source = format && format->of_satellites        ? "satellites"
-                             : receiver.time_source == "satellites" ? "attempt"
-                                                                    : "unknown";
+    head.facts.time_source = format && format->stamps_satellite_time ? "satellites"
+                             : receiver.time_source == "satellites"  ? "attempt"
+                                                                     : "unknown";
     head.solution_source = SolutionSource::recording;
 }
 

@@ -116,7 +116,7 @@ TEST(DayPage, MarksRanksThatAreNotToldApart) {
 
 TEST(DayPage, WordsOfRanksNotToldApart) {
     const auto words = [](std::optional<std::int64_t> up, std::optional<std::int64_t> down) {
-        return told_apart_words(
+        return separation_words(
             {.rank = 4, .id = "x", .tied_up_to_rank = up, .tied_down_to_rank = down}, 3, 6);
     };
     EXPECT_EQ(words({}, {}), "");

@@ -304,6 +304,20 @@ TEST(FieldTimes, WithAnExponentCountWhereTheyShowWholeSeconds) {
     EXPECT_TRUE(has(failure_of(receiver, "time,lat,lon,h\n1.773482e+09,45,9,1\n"), "rounded it"));
 }
 
+// Midnight may be written without a point; an exponent is no part of a day.
+TEST(FieldTimes, ACountOfDaysIsReadWithOrWithoutAPoint) {
+    const std::string days = "time,lat,lon,h\n46095.9999884259,45,9,1\n46095.9999942130,45,9,1\n";
+    const Observations read =
+        import_text(csv_receiver(), days + "46096,45,9,1\n46096.0000057870,45,9,1\n");
+    ASSERT_EQ(read.rows.size(), 4U);
+    EXPECT_NEAR(read.rows[2].time.seconds(), 1.0, 1e-5);
+    EXPECT_NEAR(read.rows[3].time.seconds(), 1.5, 1e-5);
+    for (const char* other : {"4.6096e4", "-46096.5", ".5", "4609600000e-5"})
+        EXPECT_TRUE(has(failure_of(csv_receiver(), days + other + ",45,9,1\n46096.1,45,9,1\n"),
+                        "not a count of days"))
+            << other;
+}
+
 TEST(FieldTimes, ThatContradictTheAttemptAreRefused) {
     Receiver receiver = csv_receiver();
     receiver.time_format = "iso";

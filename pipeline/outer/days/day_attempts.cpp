@@ -51,7 +51,7 @@ std::string others(const std::vector<GivenAttempt*>& alike, const GivenAttempt* 
     return listed(sources);
 }
 
-void refuse_alike(const std::vector<GivenAttempt*>& alike) {
+void refuse_same_ids(const std::vector<GivenAttempt*>& alike) {
     for (GivenAttempt* attempt : alike) {
         const bool same = std::all_of(alike.begin(), alike.end(), [&](const GivenAttempt* other) {
             return other->id == attempt->id;
@@ -71,7 +71,7 @@ std::vector<GivenAttempt> with_own_ids(std::vector<ListedAttempt> listed_attempt
     for (ListedAttempt& each : listed_attempts)
         if (each.has_id) by_id[lower_case(each.attempt.id)].push_back(&each.attempt);
     for (const auto& [id, alike] : by_id)
-        if (alike.size() > 1) refuse_alike(alike);
+        if (alike.size() > 1) refuse_same_ids(alike);
 
     std::set<std::string> taken;
     for (const auto& [id, alike] : by_id)

@@ -61,7 +61,7 @@ std::string craft_words(const DayCraft& craft) {
 }
 
 std::string apart_of(const DayProfile& profile, std::size_t i) {
-    return told_apart_words(profile.ranking[i], next_rank(profile.ranking, i, -1),
+    return separation_words(profile.ranking[i], next_rank(profile.ranking, i, -1),
                             next_rank(profile.ranking, i, 1));
 }
 
@@ -244,7 +244,7 @@ std::string window_words(const DayResult& result) {
     return format_fixed(*result.start_time_s, 3) + " s after the first epoch";
 }
 
-std::string told_apart_words(const DayPlace& place, std::optional<std::int64_t> above,
+std::string separation_words(const DayPlace& place, std::optional<std::int64_t> above,
                              std::optional<std::int64_t> below) {
     const auto& up = place.tied_up_to_rank;
     const auto& down = place.tied_down_to_rank;

@@ -32,7 +32,7 @@ std::string window_words(const DayResult& result);
 
 /// "cannot be separated from rank 2", "... from ranks 1 to 4"; empty where both neighbours are.
 /// `above` and `below` are the ranks next to its own.
-std::string told_apart_words(const DayPlace& place, std::optional<std::int64_t> above,
+std::string separation_words(const DayPlace& place, std::optional<std::int64_t> above,
                              std::optional<std::int64_t> below);
 
 /// What the best of the day's attempts is as the best of so many, in a sentence.

@@ -27,7 +27,7 @@ struct Entry {
     }
 };
 
-bool told_apart(const Entry& a, const Entry& b) {
+bool differ_significantly(const Entry& a, const Entry& b) {
     return !(std::abs(a.speed() - b.speed()) < std::hypot(a.uncertainty(), b.uncertainty()));
 }
 
@@ -41,7 +41,7 @@ std::optional<std::int64_t> tied_rank(const std::vector<Entry>& entries,
         const auto other = static_cast<std::size_t>(i);
         if (!places[other].rank) break;
         if (places[other].rank == places[from].rank) continue;
-        if (told_apart(entries[from], entries[other])) break;
+        if (differ_significantly(entries[from], entries[other])) break;
         last = places[other].rank;
     }
     return last;

@@ -102,7 +102,7 @@ constexpr Preset presets[] = {
     {.format = {.name = "columbus",
                 .what = "Columbus CSV",
                 .place = 116,
-                .of_satellites = true,
+                .stamps_satellite_time = true,
                 .time_origin = "UTC of the receiver, or local time as the logger was set"},
      .program = "Columbus loggers",
      .beginnings = columbus_beginnings,

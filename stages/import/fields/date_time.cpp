@@ -305,10 +305,15 @@ std::optional<DayCountKind> day_count_of(std::string_view text) {
 
 GpsTime read_days(const Cell& cell, const DayCountKind& kind, Clock clock) {
     // Whole days and the rest apart, so that nothing is rounded by a double of both.
-    const std::size_t point = cell.text.find('.');
-    const double whole =
-        read_real(cell, "time") < 0.0 ? -1.0 : *parse_double(cell.text.substr(0, point));
-    const double rest = *parse_double("0" + std::string(cell.text.substr(point)));
+    const double days = read_real(cell, "time");
+    const std::size_t point = std::min(cell.text.find('.'), cell.text.size());
+    const auto whole_days = parse_double(cell.text.substr(0, point));
+    const auto part = parse_double("0" + std::string(cell.text.substr(point)));
+    // With an exponent, or without a digit before the point, the two are not its parts.
+    if (!whole_days || !part || *whole_days < 0.0 || std::abs(days - *whole_days - *part) > 1e-6)
+        cell.fail(fmt::format("\"{}\" is not a count of days", escape_for_message(cell.text)),
+                  "Hand in the table as the logger wrote it, or another export");
+    const double whole = *whole_days, rest = *part;
     const double begin = std::floor(whole + kind.first_day);
     const double day_ns = static_cast<double>(GpsTime::nanoseconds_per_day);
     const auto in_day_ns = std::llround((rest + whole + kind.first_day - begin) * day_ns);

@@ -321,7 +321,7 @@ extern const Format format{
     .name = "flysight",
     .what = "FlySight",
     .place = 70,
-    .of_satellites = true,
+    .stamps_satellite_time = true,
     .time_origin = "UTC of the receiver's navigation solutions",
     .recognises = recognises,
     .read = read,

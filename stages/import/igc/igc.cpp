@@ -237,7 +237,7 @@ extern const Format format{
     .name = "igc",
     .what = "IGC",
     .place = 90,
-    .of_satellites = true,
+    .stamps_satellite_time = true,
     .time_origin = "UTC of the flight recorder's satellite positions",
     .recognises = recognises,
     .read = read,

@@ -355,7 +355,7 @@ extern const Format format{
     .name = "nmea",
     .what = "NMEA 0183",
     .place = 100,
-    .of_satellites = true,
+    .stamps_satellite_time = true,
     .time_origin = "UTC of the receiver's position sentences",
     .recognises = recognises,
     .read = read,

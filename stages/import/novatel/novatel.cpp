@@ -379,7 +379,7 @@ extern const Format format{
     .name = "novatel",
     .what = "NovAtel ASCII logs",
     .place = 35,
-    .of_satellites = true,
+    .stamps_satellite_time = true,
     .time_origin = "GPS time of the receiver's measurements, in each log's header",
     .recognises = recognises,
     .read = read,

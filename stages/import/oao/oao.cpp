@@ -215,7 +215,7 @@ extern const Format format{
     .name = "oao",
     .what = "Motion OAO",
     .place = 20,
-    .of_satellites = true,
+    .stamps_satellite_time = true,
     .time_origin = "UTC of the receiver's navigation solutions",
     .recognises = recognises,
     .read = read,

@@ -278,7 +278,7 @@ extern const Format format{
     .name = "rinex",
     .what = "RINEX with base and navigation files",
     .place = 110,
-    .of_satellites = true,
+    .stamps_satellite_time = true,
     .time_origin = "GPS time of the receiver's measurements, as RTKLIB solved it",
 };
 

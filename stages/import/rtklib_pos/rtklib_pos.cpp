@@ -403,7 +403,7 @@ extern const Format format{
     .name = "rtklib-pos",
     .what = "RTKLIB solution, .pos, and Emlid's .LLH",
     .place = 10,
-    .of_satellites = true,
+    .stamps_satellite_time = true,
     .time_origin = "GPS time of the receiver's measurements, as RTKLIB solved it",
     .recognises = recognises,
     .read = read,

@@ -294,7 +294,7 @@ extern const Format format{
     .name = "sbn",
     .what = "Locosys SBN",
     .place = 40,
-    .of_satellites = true,
+    .stamps_satellite_time = true,
     .time_origin = "GPS time of the receiver's navigation solutions",
     .recognises = recognises,
     .read = read,

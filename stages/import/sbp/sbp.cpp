@@ -298,7 +298,7 @@ extern const Format format{
     .name = "sbp",
     .what = "Locosys SBP",
     .place = 30,
-    .of_satellites = true,
+    .stamps_satellite_time = true,
     .time_origin = "UTC of the receiver's navigation solutions",
     .recognises = recognises,
     .read = read,

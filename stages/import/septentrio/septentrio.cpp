@@ -192,7 +192,7 @@ extern const Format format{
     .name = "septentrio",
     .what = "Septentrio sbf2asc text",
     .place = 37,
-    .of_satellites = true,
+    .stamps_satellite_time = true,
     .time_origin = "GPS time of the receiver's solutions",
     .recognises = recognises,
     .read = read,

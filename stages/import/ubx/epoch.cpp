@@ -106,9 +106,9 @@ FixType fix_of(const Epoch& epoch) {
     const FixType fix = fix_at(status, 4);
     // carrSoln, which receivers that resolve no ambiguities leave zero.
     const int carrier = static_cast<unsigned char>(status[7]) >> 6;
-    const bool of_satellites = fix == FixType::single || fix == FixType::dgps;
-    if (of_satellites && carrier == 1) return FixType::float_ambiguities;
-    return of_satellites && carrier == 2 ? FixType::fixed : fix;
+    const bool is_single_or_differential = fix == FixType::single || fix == FixType::dgps;
+    if (is_single_or_differential && carrier == 1) return FixType::float_ambiguities;
+    return is_single_or_differential && carrier == 2 ? FixType::fixed : fix;
 }
 
 /// How far GPS time is ahead of UTC (s); nothing where that is not announced.

@@ -270,7 +270,7 @@ extern const Format format{
     .name = "ubx",
     .what = "u-blox UBX",
     .place = 50,
-    .of_satellites = true,
+    .stamps_satellite_time = true,
     .time_origin = "UTC of the receiver's navigation solutions",
     .recognises = recognises,
     .read = read,

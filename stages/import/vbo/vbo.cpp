@@ -288,7 +288,7 @@ extern const Format format{
     .name = "vbo",
     .what = "Racelogic VBO",
     .place = 60,
-    .of_satellites = true,
+    .stamps_satellite_time = true,
     .time_origin = "UTC of the receiver, the file's time channel",
     .recognises = recognises,
     .read = read,

@@ -398,8 +398,8 @@ inline Verdict verdict(const Options& options, const std::vector<Profile>& profi
 inline void add_file(Run& run, const std::string& role, const std::string& name,
                      std::string contents) {
     const FileDigest digest = digest_of(contents);
-    run.inputs.files.push_back(
-        {role, name, digest.sha256, digest.bytes, role == "recording" ? "rover track.pos" : ""});
+    run.inputs.files.push_back({role, name, digest.sha256, static_cast<std::int64_t>(digest.bytes),
+                                role == "recording" ? "rover track.pos" : ""});
     run.files[name] = std::move(contents);
 }
 

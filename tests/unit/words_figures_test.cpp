@@ -112,7 +112,7 @@ TEST(WordsOfFigures, ShownSpeedsAreRoundedToTheSafeSideInEveryUnit) {
     EXPECT_EQ(km_h.acceptance_limit, "224.19");
     EXPECT_EQ(measured_speed_text(km_h), "232.17 km/h ± 0.17 km/h");
     EXPECT_EQ(measured_speed_text(km_h, 2.0689), "232.17 km/h ± 0.17 km/h (k = 2.07)");
-    EXPECT_EQ(beside(km_h, 62.2747, SafeSide::down), "224.18");
+    EXPECT_EQ(in_decimals_of(km_h, 62.2747, SafeSide::down), "224.18");
     const ShownFigures mph = shown_in(speeds, speed_unit("mph"));
     EXPECT_EQ(mph.speed, "144.26");
     EXPECT_EQ(mph.expanded_uncertainty, "0.10");

@@ -306,15 +306,20 @@ TEST(FieldTimes, WithAnExponentCountWhereTheyShowWholeSeconds) {
 
 // Midnight may be written without a point; an exponent is no part of a day.
 TEST(FieldTimes, ACountOfDaysIsReadWithOrWithoutAPoint) {
-    const std::string days = "time,lat,lon,h\n46095.9999884259,45,9,1\n46095.9999942130,45,9,1\n";
-    const Observations read =
-        import_text(csv_receiver(), days + "46096,45,9,1\n46096.0000057870,45,9,1\n");
-    ASSERT_EQ(read.rows.size(), 4U);
-    EXPECT_NEAR(read.rows[2].time.seconds(), 1.0, 1e-5);
-    EXPECT_NEAR(read.rows[3].time.seconds(), 1.5, 1e-5);
+    Receiver receiver = csv_receiver();
+    receiver.time_format = "iso";
+    const auto with_midnight_as = [](const std::string& text) {
+        std::string table = "time,lat,lon,h\n";
+        for (int i = -10; i <= 10; ++i)
+            table += (i == 0 ? text : fmt::format("{:.10f}", 46'096.0 + i / 172'800.0)) +
+                     fmt::format(",45.{:05},9,1\n", i + 10);
+        return table;
+    };
+    const Observations read = import_text(receiver, with_midnight_as("46096"));
+    ASSERT_EQ(read.rows.size(), 21U);
+    EXPECT_NEAR(read.rows[10].time.seconds(), 5.0, 1e-5);
     for (const char* other : {"4.6096e4", "-46096.5", ".5", "4609600000e-5"})
-        EXPECT_TRUE(has(failure_of(csv_receiver(), days + other + ",45,9,1\n46096.1,45,9,1\n"),
-                        "not a count of days"))
+        EXPECT_TRUE(has(complaint_of(receiver, with_midnight_as(other)), "not a count of days"))
             << other;
 }
 

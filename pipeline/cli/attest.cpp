@@ -271,7 +271,7 @@ int take(const AttestOptions& options) {
 fs::path folder_of(const AttestOptions& options, GivenRun& given) {
     if (!given.is_bundle() || (!options.signs() && options.take.empty() && !options.render))
         return given.folder();
-    const fs::path kept = given.kept();
+    const fs::path kept = given.run_folder_to_write();
     fmt::print("unpacked to {}: send that, or `runcert bundle` of it, back to who holds the run\n",
                kept.string());
     return kept;

@@ -27,7 +27,7 @@ constexpr const char* bring_back =
 
 int sign_run(const SignOptions& options) {
     GivenRun given(options.run_dir);
-    const std::filesystem::path run_dir = given.kept();
+    const std::filesystem::path run_dir = given.run_folder_to_write();
     {
         const RunLock clears(run_dir);  // what a killed call of this user's left half written
     }

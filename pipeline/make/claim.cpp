@@ -45,12 +45,12 @@ FileHashes recording_hashes(const Claim& claim) {
     return hashes;
 }
 
-HeldJson settings_of_step(std::string_view step, const Attempt& attempt,
-                          const std::vector<YamlValue>& profiles, const ReportChoice& choice) {
+OpaqueJson settings_of_step(std::string_view step, const Attempt& attempt,
+                            const std::vector<YamlValue>& profiles, const ReportChoice& choice) {
     if (step == "sign") return nlohmann::ordered_json{{"signer", choice.signer}};
     if (step == "render") return nlohmann::ordered_json{{"pages", choice.pages}};
-    if (!reads_part(step)) return HeldJson();
-    HeldJson settings = part_of_stage(attempt, step).settings;
+    if (!reads_part(step)) return OpaqueJson();
+    OpaqueJson settings = part_of_stage(attempt, step).settings;
     if (settings->contains("profiles")) settings["profiles"] = profiles_of_stage(profiles, step);
     return settings;
 }

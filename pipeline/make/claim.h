@@ -9,7 +9,7 @@
 #include "make/run_record.h"
 #include "run/attempt_files.h"
 #include "run/steps.h"
-#include "store/held_json.h"
+#include "store/opaque_json.h"
 #include "store/yaml_input.h"
 
 namespace runcert {
@@ -32,7 +32,7 @@ FileHashes recording_hashes(const Claim& claim);
 
 /// What a step uses of the attempt and its profiles beside its input files: for a stage, the fields
 /// declared for it, which are all that it gets; null for the steps that read whole files.
-HeldJson settings_of_step(std::string_view step, const Attempt& attempt,
-                          const std::vector<YamlValue>& profiles, const ReportChoice& choice);
+OpaqueJson settings_of_step(std::string_view step, const Attempt& attempt,
+                            const std::vector<YamlValue>& profiles, const ReportChoice& choice);
 
 }  // namespace runcert

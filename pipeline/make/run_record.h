@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "store/held_json.h"
+#include "store/opaque_json.h"
 #include "store/process.h"
 
 namespace runcert {
@@ -26,7 +26,7 @@ std::map<std::string, StepPrograms> programs_of_steps(const std::filesystem::pat
 /// What a step's files were made from, and what they were.
 struct StepRecord {
     StepPrograms programs{};
-    HeldJson settings{};
+    OpaqueJson settings{};
     FileHashes inputs{};
     FileHashes outputs{};
     std::vector<std::string> said{};  ///< by the program, on standard output

@@ -290,9 +290,9 @@ class Fit {
 
     /// The grid for the posterior. Points that are hopeless in the part of a long recording are
     /// more so in the whole, and are dropped. The exception are points whose diffusion is within a
-    /// grid step of that of the whole's own maximum, `told`.
+    /// grid step of that of the whole's own maximum, `whole`.
     std::vector<GridPoint> grid_about(const Best& best, double acceleration_time_s, bool by_part,
-                                      const Point& told) {
+                                      const Point& whole) {
         const bool again = by_part || std::isfinite(acceleration_time_s);
         if (again) grid_ = (by_part ? part_ : whole_).evaluate_grid(best, acceleration_time_s);
         if (!by_part) return grid_;
@@ -300,7 +300,7 @@ class Fit {
         const double highest = best_of(grid_).log_likelihood;
         std::erase_if(grid_, [&](const GridPoint& point) {
             return point.best.log_likelihood < highest - hopeless_below &&
-                   std::abs(log_diffusion(point.best.x) - log_diffusion(told)) > next;
+                   std::abs(log_diffusion(point.best.x) - log_diffusion(whole)) > next;
         });
         return whole_.evaluate_at(grid_);
     }

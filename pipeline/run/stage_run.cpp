@@ -26,7 +26,7 @@ InputFile input_file(const std::string& role, const std::string& file, const Fil
 }
 
 /// What a stage read of the attempt beside its own parameters.
-HeldJson beside_parameters(nlohmann::ordered_json read, const std::string& stage) {
+OpaqueJson beside_parameters(nlohmann::ordered_json read, const std::string& stage) {
     if (const auto parameters = read.find("parameters"); parameters != read.end()) {
         parameters->erase(stage);
         if (parameters->empty()) read.erase("parameters");

@@ -79,7 +79,7 @@ class StageRun {
     /// this to have it named in its header.
     void note_attempt();
     /// What the stage uses in place of the attempt's parameters of its name.
-    void use_parameters(HeldJson parameters) {
+    void use_parameters(OpaqueJson parameters) {
         parameters_ = std::move(parameters);
         read_ = {};
     }
@@ -171,8 +171,8 @@ class StageRun {
     std::filesystem::path run_dir_;
     std::string attempt_text_;
     Attempt attempt_;
-    HeldJson parameters_;
-    HeldJson read_;  ///< of the attempt, beside these
+    OpaqueJson parameters_;
+    OpaqueJson read_;  ///< of the attempt, beside these
     std::vector<InputFile> inputs_;
     std::map<std::string, ExpectedHash> expected_;
     std::vector<std::string> said_;

@@ -51,7 +51,7 @@ Names files_of(const std::vector<ProductFile>& products, const Attempt& attempt,
 }
 
 /// Whether a step hears an IMU, and of a surface only what it says of that.
-bool hears_imu(const Step& step) {
+bool uses_imu(const Step& step) {
     return std::ranges::any_of(step.products, &ProductFile::of_imu) && !step.made_from.empty();
 }
 
@@ -60,13 +60,13 @@ std::vector<ProductFile> made_from(const Step& step, const ProductFile& product)
     std::vector<ProductFile> products = step.made_from;
     if (product.of_imu) return products;
     std::erase_if(products, [&](const ProductFile& one) {
-        return one.of_imu || (one.of_surface && hears_imu(step));
+        return one.of_imu || (one.of_surface && uses_imu(step));
     });
     return products;
 }
 
 /// The series that the step reads as witnesses.
-Names heard_files(const Step& step, const Attempt& attempt) {
+Names witness_files(const Step& step, const Attempt& attempt) {
     Names names;
     for (const AttemptFile& file : series_files(attempt))
         if (attempt_schema().is_read_by(file.role + ".file", step.name)) names.push_back(file.name);
@@ -139,7 +139,7 @@ StagePart part_of_stage(const Attempt& attempt, std::string_view stage) {
     return part;
 }
 
-HeldJson profiles_of_stage(const std::vector<YamlValue>& profiles, std::string_view stage) {
+OpaqueJson profiles_of_stage(const std::vector<YamlValue>& profiles, std::string_view stage) {
     auto parts = nlohmann::ordered_json::array();
     for (const YamlValue& profile : profiles)
         parts.push_back(json_from_yaml(
@@ -166,14 +166,13 @@ Names inputs_of(const Step& step, const Attempt& attempt) {
     if (is_of_run(step)) {
         names = claim_files(attempt);
         for (const Step& other : steps())
-            for (const std::string& file : heard_files(other, attempt))
+            for (const std::string& file : witness_files(other, attempt))
                 std::erase(names, file);
     }
-    append(names, heard_files(step, attempt));
+    append(names, witness_files(step, attempt));
     for (const Receiver& receiver : attempt.receivers) {
         std::vector<ProductFile> products = step.made_from;
-        if (hears_imu(step) && !has_imu(receiver))
-            std::erase_if(products, &ProductFile::of_surface);
+        if (uses_imu(step) && !has_imu(receiver)) std::erase_if(products, &ProductFile::of_surface);
         append(names, files_of(products, attempt, receiver));
     }
     return names;
@@ -225,7 +224,7 @@ RunInventory inventory_of(const Attempt& attempt) {
                     needed = step.made_from.empty()
                                  ? recorded
                                  : files_of(made_from(step, product), attempt, receiver);
-                    append(needed, heard_files(step, attempt));
+                    append(needed, witness_files(step, attempt));
                 }
         }
     }

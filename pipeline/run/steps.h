@@ -32,12 +32,12 @@ bool reads_part(std::string_view stage);
 /// state it: what its files depend on beside the files that it reads.
 struct StagePart {
     Attempt attempt;
-    HeldJson settings;
+    OpaqueJson settings;
 };
 StagePart part_of_stage(const Attempt& attempt, std::string_view stage);
 
 /// What a stage reads of the profiles that an attempt claims.
-HeldJson profiles_of_stage(const std::vector<YamlValue>& profiles, std::string_view stage);
+OpaqueJson profiles_of_stage(const std::vector<YamlValue>& profiles, std::string_view stage);
 
 /// The step of that name, which must be one.
 const Step& step_named(std::string_view name);

@@ -154,10 +154,10 @@ std::optional<FolderLock> FolderLock::wait_lock(
     const std::function<void(const std::string& holder)>& waits) {
     std::mutex mutex;
     std::condition_variable_any wakes;
-    for (bool told = false; !stop.stop_requested(); told = true) {
+    for (bool reported = false; !stop.stop_requested(); reported = true) {
         Attempt attempt = try_lock(folder, name, kind);
         if (attempt.lock) return std::move(attempt.lock);
-        if (!told && waits) waits(attempt.holder);
+        if (!reported && waits) waits(attempt.holder);
         // A wait for the lock itself could not be stopped.
         std::unique_lock guard(mutex);
         wakes.wait_for(guard, stop, poll_interval, [] { return false; });

@@ -272,7 +272,7 @@ GivenRun::GivenRun(const fs::path& given) : folder_(given) {
     folder_ = bundle_->run_dir;
 }
 
-fs::path GivenRun::kept() {
+fs::path GivenRun::run_folder_to_write() {
     if (!bundle_) return folder_;
     const fs::path kept = bundle_->run_dir.filename();
     if (fs::exists(fs::symlink_status(kept)))

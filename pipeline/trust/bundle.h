@@ -109,7 +109,7 @@ class GivenRun {
     bool is_bundle() const { return bundle_.has_value(); }
     /// Of a bundle, the folder in the current one that it is unpacked to for good, so that it can
     /// be written to; else the folder as given. Failure where a file of that name is there.
-    std::filesystem::path kept();
+    std::filesystem::path run_folder_to_write();
 
   private:
     std::optional<UnpackedBundle> bundle_;

@@ -85,17 +85,17 @@ std::vector<Block> rule_windows(const RunRecord& record, const ReceiverResults& 
     std::vector<Block> blocks{heading("Rule " + windows.profile)};
     const auto rule = rule_view(record, windows.profile, &windows);
     if (!rule) return {blocks.front(), rule_is_missing(windows.profile)};
-    Block told = facts({{"Looked for", rule_words(rule->profile)}});
+    Block block = facts({{"Looked for", rule_words(rule->profile)}});
     if (windows.indicated)
-        add_fact(told, "Fastest raw window", indicated_text(*windows.indicated, *rule));
+        add_fact(block, "Fastest raw window", indicated_text(*windows.indicated, *rule));
     if (!rule->best()) {
-        add_fact(told, "Windows compared", counted(windows.candidates));
-        add_fact(told, "Certified",
+        add_fact(block, "Windows compared", counted(windows.candidates));
+        add_fact(block, "Certified",
                  windows.missing.empty()
                      ? "none: breaks and epochs left out leave no stretch long enough"
                      : "none: " + windows.missing);
     }
-    blocks.push_back(std::move(told));
+    blocks.push_back(std::move(block));
     if (!rule->best()) return blocks;
     add(blocks, window_blocks(*rule, rule->best()->span));
     if (const auto& course = rule->best()->course)

@@ -116,7 +116,7 @@ std::string signatures_text(const RunRecord& record) {
 
 Block facts_of(const RunRecord& record) {
     const Attempt& attempt = record.attempt;
-    Block told = facts(
+    Block block = facts(
         {{"Attempt", attempt.id},
          {"Craft", fmt::format("{}, class {}", claimed(attempt.craft.name), attempt.craft.kind)},
          {"Place", attempt.place.empty() ? "not given" : claimed(attempt.place)},
@@ -124,15 +124,16 @@ Block facts_of(const RunRecord& record) {
          {"Officials",
           attempt.officials.empty() ? "none named" : officials_text(attempt.officials)}});
     for (const ReceiverResults& one : record.receivers)
-        add_fact(told, "Receiver " + one.receiver.id, claimed_value(recording_names(one.receiver)));
-    add_fact(told, "Rules claimed under", listed(attempt.profiles));
-    if (attempt.record) add_fact(told, "Record to beat", record_text(*attempt.record));
+        add_fact(block, "Receiver " + one.receiver.id,
+                 claimed_value(recording_names(one.receiver)));
+    add_fact(block, "Rules claimed under", listed(attempt.profiles));
+    if (attempt.record) add_fact(block, "Record to beat", record_text(*attempt.record));
     for (const auto& [profile, beaten] : attempt.records)
-        add_fact(told, "Record under " + profile, record_text(beaten));
-    add_fact(told, "Report",
+        add_fact(block, "Record under " + profile, record_text(beaten));
+    add_fact(block, "Report",
              record.report ? "id " + record.report_id : "report.json is not in the folder");
-    add_fact(told, "Signatures", signatures_text(record));
-    return told;
+    add_fact(block, "Signatures", signatures_text(record));
+    return block;
 }
 
 Block makers_of(const std::vector<Product>& products) {

@@ -118,7 +118,7 @@ Section clause_section(const RuleView& rule, const Requirement& requirement,
     const Computation computation = requirement.decided_by;
     const std::string name = full_name(rule, requirement.clause);
     const bool attest = requirement.status == RequirementStatus::attest;
-    Block told = facts(
+    Block block = facts(
         {{"The rule", requirement.text},
          {"Its source", fmt::format("{} {}", sentence(source_text(requirement)),
                                     certainty_words(requirement.certainty, rule.profile.origin))},
@@ -127,24 +127,24 @@ Section clause_section(const RuleView& rule, const Requirement& requirement,
               ? std::string(words_of(computation))
               : fmt::format("{}. {}", to_text(computation), how(rule, computation))}});
     for (const Figure& figure : requirement.figures)
-        add_fact(told, "Figure", sentence(figure_text(figure)));
-    add_fact(told, "Limit", limit_words(rule.profile, requirement));
+        add_fact(block, "Figure", sentence(figure_text(figure)));
+    add_fact(block, "Limit", limit_words(rule.profile, requirement));
     for (std::string& words : override_words(rule.verdict, figures_behind(requirement)))
-        add_fact(told, "Replaced", std::move(words));
+        add_fact(block, "Replaced", std::move(words));
     add_fact(
-        told, "Outcome",
+        block, "Outcome",
         fmt::format("{}. {}", attest ? "To be attested" : capitalised(words_of(requirement.status)),
                     sentence(requirement.evidence)));
-    if (attest) add_fact(told, "To do", std::string(phrase_of(computation)));
+    if (attest) add_fact(block, "To do", std::string(phrase_of(computation)));
     if (requirement.answered_by)
-        add_fact(told, "Answered by",
+        add_fact(block, "Answered by",
                  fmt::format("{} in the role {}", requirement.answered_by->count,
                              requirement.answered_by->role));
     for (std::string& answer : explanations_of(name, options))
-        add_fact(told, "Answer", std::move(answer));
+        add_fact(block, "Answer", std::move(answer));
     return {.anchor = name,
             .title = fmt::format("{}: {}", name, upper_case(words_of(requirement.status))),
-            .blocks = {std::move(told)}};
+            .blocks = {std::move(block)}};
 }
 
 std::vector<RuleView> views_of(const Attempt& attempt, const Verdict& verdict,
@@ -234,9 +234,9 @@ Document explained(const Attempt& attempt, const Verdict& verdict,
     }
     for (const RuleView& view : views)
         document.sections.push_back(decision_section(view, options, true));
-    if (Block told = origin_facts(verdict.origins); !told.facts.empty())
+    if (Block block = origin_facts(verdict.origins); !block.facts.empty())
         document.sections.push_back(
-            {.anchor = "origins", .title = "Who says what", .blocks = {std::move(told)}});
+            {.anchor = "origins", .title = "Who says what", .blocks = {std::move(block)}});
     const RuleView& first = views.front();
     const auto& requirements = first.verdict.requirements;
     const std::string clause =

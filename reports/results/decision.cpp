@@ -75,37 +75,38 @@ std::string uncertainty_words(const RuleView& rule) {
 }
 
 /// What it was decided by.
-void add_decision(LevelledFacts& told, const RuleView& rule) {
+void add_decision(LevelledFacts& levelled, const RuleView& rule) {
     const ProfileVerdict& verdict = rule.verdict;
     const bool counts = verdict.outcome != Outcome::not_certifiable;
     if (verdict.decision)
-        told.add(counts ? Level::page : Level::annex, "Conformance probability",
-                 fmt::format(
-                     "{} (at least {} required){}", probability_text(verdict.decision->probability),
-                     level_text(verdict.decision->level),
-                     counts ? "" : "; it does not count, since the speed cannot be certified"));
-    told.add(Level::annex, "Decision rule", decision_rule_text(rule.profile, verdict));
-    told.add(Level::annex, "Agreement",
-             agreement_text(rule.attempt.decision_rule_agreed, verdict.window));
-    told.add(Level::annex, "Guard band", guard_band_text(verdict, rule.unit()));
-    told.add(Level::annex, "Risk", capitalised(risk_text(verdict)));
+        levelled.add(
+            counts ? Level::page : Level::annex, "Conformance probability",
+            fmt::format("{} (at least {} required){}",
+                        probability_text(verdict.decision->probability),
+                        level_text(verdict.decision->level),
+                        counts ? "" : "; it does not count, since the speed cannot be certified"));
+    levelled.add(Level::annex, "Decision rule", decision_rule_text(rule.profile, verdict));
+    levelled.add(Level::annex, "Agreement",
+                 agreement_text(rule.attempt.decision_rule_agreed, verdict.window));
+    levelled.add(Level::annex, "Guard band", guard_band_text(verdict, rule.unit()));
+    levelled.add(Level::annex, "Risk", capitalised(risk_text(verdict)));
     const OwnArithmetic& own = verdict.own_arithmetic;
-    told.add(Level::page, "By the body's arithmetic",
-             told.to >= Level::record ? own_arithmetic_text(own)
-             : own.shown.empty()      ? "not known"
-                                      : own.shown);
+    levelled.add(Level::page, "By the body's arithmetic",
+                 levelled.to >= Level::record ? own_arithmetic_text(own)
+                 : own.shown.empty()          ? "not known"
+                                              : own.shown);
     const auto& window = verdict.window;
     if (!window) {
-        if (!verdict.speed_m_s) told.add(Level::page, "Window", "none could be certified");
+        if (!verdict.speed_m_s) levelled.add(Level::page, "Window", "none could be certified");
         return;
     }
-    told.add(Level::page, "Window", window_line(*window));
+    levelled.add(Level::page, "Window", window_line(*window));
     if (window->start_gps) {
-        told.add(Level::page, "Local time", local_time(*window->start_gps, rule.attempt));
-        told.add(Level::record, "From the first epoch", seconds_text(window->start));
+        levelled.add(Level::page, "Local time", local_time(*window->start_gps, rule.attempt));
+        levelled.add(Level::record, "From the first epoch", seconds_text(window->start));
     }
     if (rule.profile.margin_kind == MarginKind::elapsed_time)
-        told.add(Level::page, "Elapsed time", seconds_text(window->duration));
+        levelled.add(Level::page, "Elapsed time", seconds_text(window->duration));
 }
 
 }  // namespace
@@ -163,30 +164,31 @@ double coverage_probability(double nominal_factor) {
 Block decision_facts(const RuleView& rule, Level from, Level to) {
     const ProfileVerdict& verdict = rule.verdict;
     const ShownFigures shown = rule.shown();
-    LevelledFacts told{from, to};
+    LevelledFacts levelled{from, to};
     if (verdict.speed_m_s)
-        told.add(Level::page,
-                 verdict.outcome == Outcome::not_certifiable ? "Not certified" : "Measured speed",
-                 fmt::format("{} ({})", measured_speed_text(shown), coverage_words(rule)));
-    told.add(Level::page, "Speed of", point_words(rule));
-    told.add(Level::annex, "Rule", rule_words(rule.profile));
+        levelled.add(
+            Level::page,
+            verdict.outcome == Outcome::not_certifiable ? "Not certified" : "Measured speed",
+            fmt::format("{} ({})", measured_speed_text(shown), coverage_words(rule)));
+    levelled.add(Level::page, "Speed of", point_words(rule));
+    levelled.add(Level::annex, "Rule", rule_words(rule.profile));
     if (verdict.speed_m_s) {
-        told.add(Level::page, "Required speed", with_unit(shown.required_speed, shown));
-        told.add(Level::page, "Acceptance limit", with_unit(shown.acceptance_limit, shown));
+        levelled.add(Level::page, "Required speed", with_unit(shown.required_speed, shown));
+        levelled.add(Level::page, "Acceptance limit", with_unit(shown.acceptance_limit, shown));
     }
-    if (verdict.record) told.add(Level::page, "Record to beat", record_text(*verdict.record));
+    if (verdict.record) levelled.add(Level::page, "Record to beat", record_text(*verdict.record));
     if (verdict.required_speed_m_s)
-        told.add(Level::annex, "Margin",
-                 fmt::format("The rule asks for {}; {}.", margin_words(rule.profile),
-                             rounding_words(rule.profile)));
-    if (verdict.speed_m_s) told.add(Level::annex, "Uncertainty", uncertainty_words(rule));
+        levelled.add(Level::annex, "Margin",
+                     fmt::format("The rule asks for {}; {}.", margin_words(rule.profile),
+                                 rounding_words(rule.profile)));
+    if (verdict.speed_m_s) levelled.add(Level::annex, "Uncertainty", uncertainty_words(rule));
     if (verdict.current_subtracted_m_s)
-        told.add(
+        levelled.add(
             Level::annex, "Current",
             fmt::format("Its component along the course, {}, has been subtracted.",
                         speed_beside(verdict, *verdict.current_subtracted_m_s, rule.unit().name)));
-    add_decision(told, rule);
-    return std::move(told.block);
+    add_decision(levelled, rule);
+    return std::move(levelled.block);
 }
 
 }  // namespace runcert

@@ -139,10 +139,10 @@ Block outcome_facts(const ProfileVerdict& verdict, const std::string& vouched_by
 }
 
 Block origin_facts(const std::vector<VerdictInput>& origins) {
-    Block told = facts({});
+    Block block = facts({});
     for (const InputsOfOrigin& said : inputs_by_origin(origins))
-        add_fact(told, said.label, sentence(said.text));
-    return told;
+        add_fact(block, said.label, sentence(said.text));
+    return block;
 }
 
 std::vector<std::string> override_words(const ProfileVerdict& verdict,
@@ -174,9 +174,9 @@ SaidOfAll said_of_all(const std::vector<RuleView>& rules, Level from, Level to) 
 std::vector<Block> verdict_blocks(const RuleView& rule, Level from, Level to,
                                   const SaidOfAll& said) {
     const ProfileVerdict& verdict = rule.verdict;
-    Block told = decision_facts(rule, from, to);
-    std::erase_if(told.facts, [&](const Fact& fact) { return holds(said.facts, fact); });
-    std::vector<Block> blocks{paragraph(sentence(verdict.reason)), std::move(told)};
+    Block block = decision_facts(rule, from, to);
+    std::erase_if(block.facts, [&](const Fact& fact) { return holds(said.facts, fact); });
+    std::vector<Block> blocks{paragraph(sentence(verdict.reason)), std::move(block)};
     if (rule.windows != nullptr && !rule.windows->missing.empty())
         blocks.push_back(paragraph(fmt::format("What is missing: {}.", rule.windows->missing)));
     const auto count = [&](RequirementStatus status) {

@@ -215,7 +215,7 @@ YamlValue Attempt::written(const std::string& receiver) const {
     return {YamlNode(), resolved.where()};
 }
 
-HeldJson reading_of(const YamlValue& receiver, std::string_view beside) {
+OpaqueJson reading_of(const YamlValue& receiver, std::string_view beside) {
     const auto read_in = [](const YamlValue& map, const std::string& path) {
         const DocumentSchema& schema = attempt_schema();
         auto read = nlohmann::ordered_json::object();
@@ -258,7 +258,7 @@ Attempt part_read_by(const Attempt& attempt, std::string_view stage) {
     return part;
 }
 
-HeldJson settings_of(const Attempt& attempt, std::string_view stage) {
+OpaqueJson settings_of(const Attempt& attempt, std::string_view stage) {
     auto settings = json_from_yaml(YamlValue(attempt_schema().part_read_by(attempt.resolved, stage),
                                              attempt.resolved.where()));
     if (const auto stated = stated_before_rule(attempt, stage); !stated.empty())
@@ -266,9 +266,9 @@ HeldJson settings_of(const Attempt& attempt, std::string_view stage) {
     return settings;
 }
 
-HeldJson parameters_of(const Attempt& attempt, const std::string& stage) {
+OpaqueJson parameters_of(const Attempt& attempt, const std::string& stage) {
     const YamlValue own = attempt.resolved["parameters"][stage];
-    return own.exists() ? HeldJson(json_from_yaml(own)) : HeldJson();
+    return own.exists() ? OpaqueJson(json_from_yaml(own)) : OpaqueJson();
 }
 
 Attempt read_attempt(std::string_view text, const std::string& where, Completeness completeness) {

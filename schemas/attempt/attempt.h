@@ -9,7 +9,7 @@
 
 #include "schemas/attempt/declared.h"
 #include "schemas/common/header.h"
-#include "store/held_json.h"
+#include "store/opaque_json.h"
 
 namespace runcert {
 
@@ -71,15 +71,15 @@ Attempt part_read_by(const Attempt& attempt, std::string_view stage);
 
 /// The same as the attempt has it, parameters resolved: what the stage's files depend on beside the
 /// files that it reads.
-HeldJson settings_of(const Attempt& attempt, std::string_view stage);
+OpaqueJson settings_of(const Attempt& attempt, std::string_view stage);
 
 /// A stage's own parameters, as its header has them; none for a stage that has none.
-HeldJson parameters_of(const Attempt& attempt, const std::string& stage);
+OpaqueJson parameters_of(const Attempt& attempt, const std::string& stage);
 
 /// How a receiver's recording is to be read, as the attempt has it: what is imported of it but its
 /// id, the names of files, and what stands beside the recording with a file of its own ("imu",
 /// "surface"); that, too, where it is named.
-HeldJson reading_of(const YamlValue& receiver, std::string_view beside = {});
+OpaqueJson reading_of(const YamlValue& receiver, std::string_view beside = {});
 
 /// A file that an attempt's keys name.
 struct NamedFile {

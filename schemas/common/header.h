@@ -8,7 +8,7 @@
 #include "core/gps_time.h"
 #include "schemas/common/declared.h"
 #include "store/document_schema.h"
-#include "store/held_json.h"
+#include "store/opaque_json.h"
 
 namespace runcert {
 
@@ -21,9 +21,9 @@ struct Header {
     std::string source_revision;
     std::vector<CalledProgram> programs;
     std::vector<InputFile> inputs;
-    HeldJson parameters = {};
+    OpaqueJson parameters = {};
     /// Other parts of the attempt that the stage used, as the attempt has them. Empty if none.
-    HeldJson attempt = {};
+    OpaqueJson attempt = {};
 };
 
 /// The field table of the header, which all products share.

@@ -69,7 +69,7 @@ std::vector<std::size_t> TableSchema::match(const EcsvReader& reader) const {
     return index;
 }
 
-EcsvWriter TableSchema::begin(HeldJson meta, EcsvWriter::Sink sink) const {
+EcsvWriter TableSchema::begin(OpaqueJson meta, EcsvWriter::Sink sink) const {
     nlohmann::ordered_json header = *meta;
     header["schema"] = {{"name", meta_.name()}, {"version", meta_.version()}};
     round_to_table(header, meta_);

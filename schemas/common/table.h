@@ -43,7 +43,7 @@ class TableSchema {
     std::vector<std::size_t> match(const EcsvReader& reader) const;
 
     /// Starts a table with this header. Sets its `schema` and rounds its numbers.
-    EcsvWriter begin(HeldJson meta, EcsvWriter::Sink sink) const;
+    EcsvWriter begin(OpaqueJson meta, EcsvWriter::Sink sink) const;
 
   private:
     DocumentSchema meta_;
@@ -215,7 +215,7 @@ class TableFormat {
     const std::vector<ColumnBinding<Row>>& bindings() const { return bindings_; }
 
     /// The table's text. Sets `schema` in the meta and rounds its numbers.
-    std::string write(HeldJson meta, std::span<const Row> rows) const {
+    std::string write(OpaqueJson meta, std::span<const Row> rows) const {
         EcsvWriter out = begin(std::move(meta));
         for (const Row& row : rows)
             write_row(out, row);
@@ -223,7 +223,7 @@ class TableFormat {
     }
 
     /// Starts a table to be written row by row. The header goes to the sink.
-    EcsvWriter begin(HeldJson meta, EcsvWriter::Sink sink = {}) const {
+    EcsvWriter begin(OpaqueJson meta, EcsvWriter::Sink sink = {}) const {
         return schema_.begin(std::move(meta), std::move(sink));
     }
     void write_row(EcsvWriter& out, const Row& row) const {

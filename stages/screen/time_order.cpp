@@ -22,7 +22,7 @@ using Rows = std::vector<EnuEpoch>;
 struct Block {
     std::size_t first = 0, last = 0;
     std::int64_t epochs = 0;  ///< number of its epochs that repeat no other
-    bool kept = false;
+    bool retained = false;
 };
 
 class TimeJudgement {
@@ -125,7 +125,7 @@ class TimeJudgement {
     }
 
     void keep(std::size_t b) {
-        blocks_[b].kept = true;
+        blocks_[b].retained = true;
         kept_[stamp(blocks_[b].first)] = b;
         recorded_.insert(b);
     }
@@ -152,12 +152,12 @@ class TimeJudgement {
             if (part.epochs > best.epochs) best = part;
         }
         if (3 * best.epochs < 2 * block.epochs || best.epochs == 0) return false;
-        best.kept = block.kept;
+        best.retained = block.retained;
         block = best;
         return true;
     }
 
-    /// The kept block next to another in the recording, before or after it.
+    /// The retained block next to another in the recording, before or after it.
     std::optional<std::size_t> neighbour_in_sequence(std::size_t b, bool before) const {
         if (!before) {
             const auto next = recorded_.upper_bound(b);
@@ -183,7 +183,8 @@ class TimeJudgement {
                          step_s);
     }
 
-    /// Whether a block that is not kept was recorded in place, between two that leave room for it.
+    /// Whether a block that is not retained was recorded in place, between two that leave room for
+    /// it.
     bool belongs_between(std::size_t b) const {
         const auto before = neighbour_in_sequence(b, true), after = neighbour_in_sequence(b, false);
         if (!before || !after) return false;
@@ -200,7 +201,7 @@ class TimeJudgement {
     bool keep_what_fits() {
         std::vector<std::size_t> left;
         for (std::size_t b = 0; b < blocks_.size(); ++b)
-            if (!blocks_[b].kept && blocks_[b].epochs > 0) left.push_back(b);
+            if (!blocks_[b].retained && blocks_[b].epochs > 0) left.push_back(b);
         std::ranges::stable_sort(left, std::greater<>(),
                                  [&](std::size_t b) { return blocks_[b].epochs; });
         bool any = false;
@@ -212,7 +213,8 @@ class TimeJudgement {
         return any;
     }
 
-    /// Leaves out kept blocks with no other near in time. Each begins a session, in order of time.
+    /// Leaves out retained blocks with no other near in time. Each begins a session, in order of
+    /// time.
     void leave_out_strays() {
         std::vector<std::vector<std::size_t>> sessions;
         std::int64_t end_ns = 0;
@@ -237,24 +239,25 @@ class TimeJudgement {
         const bool continues_here = (before && leads_to(*before, b, options_.interval_s)) ||
                                     (after && leads_to(b, *after, options_.interval_s));
         if (!continues_here) return;
-        blocks_[b].kept = false;
+        blocks_[b].retained = false;
         kept_.erase(stamp(blocks_[b].first));
         recorded_.erase(b);
     }
 
     void mark_left_out() {
-        std::vector<bool> kept(rows_.size(), false);
+        std::vector<bool> retained(rows_.size(), false);
         for (const Block& block : blocks_)
-            if (block.kept)
+            if (block.retained)
                 for (std::size_t row = block.first; row <= block.last; ++row)
-                    kept[row] = !is_repeated(row);
+                    retained[row] = !is_repeated(row);
         for (std::size_t row = 0; row < rows_.size(); ++row)
-            if (!kept[row] && !is_repeated(row)) order_.standing[row] = TimeStanding::out_of_order;
-        // A row with the time of the kept one next to it, but another position. Only the kept one
-        // tells when it was recorded.
+            if (!retained[row] && !is_repeated(row))
+                order_.standing[row] = TimeStanding::out_of_order;
+        // A row with the time of the retained one next to it, but another position. Only the
+        // retained one tells when it was recorded.
         const EnuEpoch* neighbour = nullptr;
         const auto compare = [&](std::size_t row) {
-            if (kept[row])
+            if (retained[row])
                 neighbour = &rows_[row];
             else if (neighbour != nullptr && rows_[row].time == neighbour->time &&
                      !is_repeated(row))
@@ -281,7 +284,7 @@ class TimeJudgement {
     }
 
     void put_in_order() {
-        // Each row left out comes after the kept row that it follows or repeats.
+        // Each row left out comes after the retained row that it follows or repeats.
         std::vector<std::int64_t> place(rows_.size());
         std::int64_t anchor = std::numeric_limits<std::int64_t>::min();
         std::int64_t latest = anchor;

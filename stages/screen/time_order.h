@@ -9,22 +9,22 @@ namespace runcert {
 
 /// The standing of an epoch's time relative to the others.
 enum class TimeStanding {
-    in_order,      ///< part of the sequence that is kept
+    in_order,      ///< part of the sequence that is retained
     repeated,      ///< repeats time and position of another epoch
-    same_time,     ///< the time of a kept epoch, to a twentieth of the interval
-    out_of_order,  ///< another time, for which the kept epochs leave no place
+    same_time,     ///< the time of a retained epoch, to a twentieth of the interval
+    out_of_order,  ///< another time, for which the retained epochs leave no place
 };
 
 /// The epochs of a recording in the order of time.
 struct TimeOrder {
     std::vector<TimeStanding> standing;  ///< of each row, in the order given
     /// The rows in output order. Kept rows are in order of time. Each other row comes after the
-    /// kept one that it repeats, or otherwise follows in the recording.
+    /// retained one that it repeats, or otherwise follows in the recording.
     std::vector<std::size_t> rows;
-    /// For each row as given: it is kept, but the kept row before it in time does not directly
-    /// precede it in the recording, and the motion does not continue from there.
+    /// For each row as given: it is retained, but the retained row before it in time does not
+    /// directly precede it in the recording, and the motion does not continue from there.
     std::vector<bool> seam;
-    std::int64_t moved = 0;  ///< number of kept rows that come after a row of later time in the
+    std::int64_t moved = 0;  ///< number of retained rows that come after a row of later time in the
                              ///< recording
 };
 
@@ -39,10 +39,10 @@ struct TimeOrderOptions {
 /// Judges the times of all rows of a recording together, in the order in which they were recorded.
 ///
 /// The recording is divided into blocks wherever a step of the stamps is not forward or is a gap.
-/// The sequence of blocks with increasing times that holds most epochs is kept. So is each further
-/// block that fits into free time: a session written after a later one, or a stretch out of place.
-/// Of a block that overlaps, the longest part that does not is kept, if it is two thirds of the
-/// block.
+/// The sequence of blocks with increasing times that holds most epochs is retained. So is each
+/// further block that fits into free time: a session written after a later one, or a stretch out of
+/// place. Of a block that overlaps, the longest part that does not is retained, if it is two thirds
+/// of the block.
 ///
 /// A block is left out, although its times fit, where it was evidently recorded in place with
 /// incorrect stamps. The neighbouring epochs in the recording then leave just the room for it

@@ -229,19 +229,19 @@ void BatchProblem<Axes>::add_process(std::size_t k) {
 template <int Axes>
 const typename BatchProblem<Axes>::Step& BatchProblem<Axes>::step_of(const StepKind& kind) {
     const auto [at, is_new] = steps_.try_emplace(kind);
-    Step& kept = at->second;
-    if (!is_new) return kept;
+    Step& stored = at->second;
+    if (!is_new) return stored;
     const AxisStep step = axis_step(model_, kind);
     Eigen::Matrix4d moved = Eigen::Matrix4d::Zero();
     moved.topLeftCorner<3, 3>() = step.transition;
     moved(3, 3) = step.error_transition;
-    kept.after.setZero();
-    kept.after.template topLeftCorner<3, 3>() = axis_process_whitener(step);
-    kept.after(3, 3) = 1.0 / std::sqrt(step.error_noise);
-    kept.before = -kept.after * moved;
-    kept.before_unknown = kept.before * unit_.asDiagonal();
-    kept.after_unknown = kept.after * unit_.asDiagonal();
-    return kept;
+    stored.after.setZero();
+    stored.after.template topLeftCorner<3, 3>() = axis_process_whitener(step);
+    stored.after(3, 3) = 1.0 / std::sqrt(step.error_noise);
+    stored.before = -stored.after * moved;
+    stored.before_unknown = stored.before * unit_.asDiagonal();
+    stored.after_unknown = stored.after * unit_.asDiagonal();
+    return stored;
 }
 
 template <int Axes>

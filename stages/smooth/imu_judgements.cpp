@@ -65,7 +65,7 @@ void judge_on_surface(const InertialSolution& solution, const Triangulation& sur
         return;
     }
     mount.on_surface = degrees_of(found->angles);
-    mount.sigma_on_surface = mean_sigma(*found, std::min(found->kept, ground.triangles));
+    mount.sigma_on_surface = mean_sigma(*found, std::min(found->retained, ground.triangles));
     const MountAngles& angles = *mount.on_surface;
     const MountAngles& sigma = *mount.sigma_on_surface;
     // Lean and leeway are no errors of the axes: only what is well beyond both is one.
@@ -92,7 +92,7 @@ void judge_mount(const InertialSolution& solution, const Triangulation* surface,
         return;
     }
     mount.remaining = degrees_of(found->angles);
-    mount.sigma = mean_sigma(*found, found->kept);
+    mount.sigma = mean_sigma(*found, found->retained);
     mount.judgement = fmt::format(
         "Against course and level the axes as stated are turned by {:.1f} degrees in roll, {:.1f} "
         "in pitch and {:.1f} in yaw. Slope of the ground, lean and leeway of the craft are in "

@@ -196,10 +196,10 @@ TEST(InertialCalibration, FindsTheMountFromSurfaceAndCourse) {
             ASSERT_TRUE(found);
             const Eigen::Vector3d error = box.error_deg(*found);
             std::printf("mount to %.3f %.3f %.3f deg, %zu of %zu epochs\n", error.x(), error.y(),
-                        error.z(), found->kept, found->epochs);
+                        error.z(), found->retained, found->epochs);
             most_deg = std::max(most_deg, error.cwiseAbs().maxCoeff());
             if (share > 0.0) {
-                EXPECT_LT(found->kept, found->epochs - box.gross / 4);
+                EXPECT_LT(found->retained, found->epochs - box.gross / 4);
             }
         }
     EXPECT_LT(most_deg, 0.2);
@@ -212,7 +212,7 @@ TEST(InertialCalibration, WithoutTheGateTheMountTakesUpLeanAndSlip) {
     ASSERT_TRUE(found);
     const Eigen::Vector3d error = box.error_deg(*found);
     std::printf("without the gate to %.3f %.3f %.3f deg, %zu of %zu epochs\n", error.x(), error.y(),
-                error.z(), found->kept, found->epochs);
+                error.z(), found->retained, found->epochs);
     EXPECT_GT(std::abs(error.x()), 0.4);
     EXPECT_LT(std::abs(error.y()), 0.2);
     EXPECT_GT(std::abs(error.z()), 0.2);

@@ -117,7 +117,7 @@ TEST(InertialDrive, GivesTheRecordistsMountAndTimeOffset) {
         "%.2f %.2f, %zu of %zu\n",
         solution.time_offset_s.value, solution.time_offset_s.sigma, mount->angles.roll / rad,
         mount->angles.pitch / rad, mount->angles.heading / rad, mount->scatter_rad.x() / rad,
-        mount->scatter_rad.y() / rad, mount->scatter_rad.z() / rad, mount->kept, mount->epochs);
+        mount->scatter_rad.y() / rad, mount->scatter_rad.z() / rad, mount->retained, mount->epochs);
     EXPECT_GE(solution.consistency.nis, 0.3);
     EXPECT_LE(solution.consistency.nis, 1.5);
     EXPECT_NEAR(mount->angles.heading / rad, 185.0, 0.7);

@@ -75,9 +75,9 @@ std::optional<MountEstimate> estimate_mount(
     for (std::size_t i = 0; i < mounts.size(); ++i)
         if (used[i]) {
             squares += away[i].cwiseAbs2();
-            ++estimate.kept;
+            ++estimate.retained;
         }
-    estimate.scatter_rad = (squares / static_cast<double>(estimate.kept)).cwiseSqrt();
+    estimate.scatter_rad = (squares / static_cast<double>(estimate.retained)).cwiseSqrt();
     // An attitude of forward, right, down against themselves is one against north, east, down.
     estimate.angles = euler_angles(rotation_of({}) * estimate.craft_from_body);
     return estimate;

@@ -16,10 +16,10 @@ struct MountGate {
 struct MountEstimate {
     Eigen::Matrix3d craft_from_body = Eigen::Matrix3d::Identity();  ///< forward, right, down both
     EulerAngles angles = {};  ///< rad, of `craft_from_body`, as an attitude's
-    /// Scatter (rad) of single epochs about the mean, along the craft's axes, of those kept.
+    /// Scatter (rad) of single epochs about the mean, along the craft's axes, of those retained.
     Eigen::Vector3d scatter_rad = Eigen::Vector3d::Zero();
     std::size_t epochs = 0;  ///< that the gate lets through
-    std::size_t kept = 0;
+    std::size_t retained = 0;
 };
 
 /// The mount by velocity and ground: at each epoch of the gate the craft's attitude is that of
@@ -33,7 +33,7 @@ struct MountEstimate {
 /// has no bank. In turns the craft leans and slips, which no editing takes out: on an oval of 14
 /// degrees roll and yaw err by 0.5 degrees without the gate, by 0.1 with it [FHB03]. So they are
 /// good to a few tenths of a degree, whatever the standard error. Nothing where fewer than ten
-/// epochs are kept.
+/// epochs are retained.
 ///
 /// Failure (at "surface") where there are normals, but not one for each epoch.
 std::optional<MountEstimate> estimate_mount(

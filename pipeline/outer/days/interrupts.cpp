@@ -55,8 +55,8 @@ unsigned char next_from_pipe() {
 
 }  // namespace
 
-Interrupts::Interrupts(std::function<void(Interruption, int signal)> told)
-    : told_(std::move(told)) {
+Interrupts::Interrupts(std::function<void(Interruption, int signal)> on_interruption)
+    : on_interruption_(std::move(on_interruption)) {
     assert(!in_use);
     in_use = true;
     handler_writes_to = signal_pipe().ends[1];
@@ -98,7 +98,7 @@ void Interrupts::interrupted_by(int signal) {
     const bool first = !finish_.stop_requested();
     const Interruption wanted =
         signal == SIGINT && first ? Interruption::finish : Interruption::stop;
-    if (told_) told_(wanted, signal);
+    if (on_interruption_) on_interruption_(wanted, signal);
     finish_.request_stop();
     if (wanted == Interruption::stop) stop_.request_stop();
 }

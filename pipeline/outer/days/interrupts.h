@@ -18,9 +18,10 @@ enum class Interruption {
 /// One object at a time in a process.
 class Interrupts {
   public:
-    /// `told` is called for each change, before the tokens see it, in a thread of this object: not
-    /// in a signal handler, so it may do anything but throw. Failure if no pipe can be opened.
-    explicit Interrupts(std::function<void(Interruption, int signal)> told = {});
+    /// `on_interruption` is called for each change, before the tokens see it, in a thread of this
+    /// object: not in a signal handler, so it may do anything but throw. Failure if no pipe can be
+    /// opened.
+    explicit Interrupts(std::function<void(Interruption, int signal)> on_interruption = {});
     /// The handlers that were there before are there again.
     ~Interrupts();
     Interrupts(const Interrupts&) = delete;
@@ -35,7 +36,7 @@ class Interrupts {
     void listen();
     void interrupted_by(int signal);
 
-    std::function<void(Interruption, int signal)> told_;
+    std::function<void(Interruption, int signal)> on_interruption_;
     std::stop_source finish_;
     std::stop_source stop_;
     std::thread listener_;

@@ -207,10 +207,10 @@ class DraftGaps {
     }
 
     /// What an IMU's times can be beside the recording's.
-    enum class ImuTimes { told, counted_from_first, unknown };
+    enum class ImuTimes { known, counted_from_first, unknown };
     static ImuTimes times_of(const Recognition& imu, const Recognition& recording) {
         // A date, or the recording's own count.
-        if (imu.first || !imu.count_s || !recording.first) return ImuTimes::told;
+        if (imu.first || !imu.count_s || !recording.first) return ImuTimes::known;
         const auto shares = [&](double first_s) {
             const double begin_s = *imu.count_s, end_s = begin_s + imu.span_s;
             return first_s < end_s && begin_s < first_s + recording.span_s;
@@ -219,7 +219,7 @@ class DraftGaps {
         const double since_epoch_s = recording.first->seconds_since(GpsTime());
         if (shares(static_cast<double>(recording.first->nanoseconds_of_week()) * 1e-9) ||
             shares(since_epoch_s + unix_at_gps_epoch_s))
-            return ImuTimes::told;
+            return ImuTimes::known;
         return shares(0.0) ? ImuTimes::counted_from_first : ImuTimes::unknown;
     }
 
@@ -229,7 +229,7 @@ class DraftGaps {
         const ImuTimes times = times_of(file.is, draft_.files_[arranged.recordings.front()].is);
         for (NeededKey needed : file.is.needed) {
             const bool of_time = needed.key == "imu.start_gps";
-            if (says(receiver, needed.key) || (of_time && times == ImuTimes::told)) continue;
+            if (says(receiver, needed.key) || (of_time && times == ImuTimes::known)) continue;
             if (of_time && times == ImuTimes::unknown) {
                 needed.required = true;
                 needed.reason = "Its times have no date, and are not the recording's.";

@@ -27,7 +27,7 @@ Section rule_section(const ProfileComparison& profile, const Record* record, boo
     const auto error = [&](const std::optional<double>& error_m_s) -> std::string {
         return error_m_s ? format_fixed(*error_m_s * unit.per_m_s, decimals + 1) : "-";
     };
-    Block told =
+    Block block =
         facts({{"Speed", fmt::format("over {}, {}", time_span_text(windows.rule.duration_s),
                                      words_of(windows.rule.definition))},
                {"Windows", counted(profile.candidates) + " can be certified"},
@@ -36,7 +36,7 @@ Section rule_section(const ProfileComparison& profile, const Record* record, boo
                                            seconds_text(windows.best->span.start))
                              : "none"}});
     if (profile.true_m_s)
-        add_fact(told, "True speed in it",
+        add_fact(block, "True speed in it",
                  fmt::format("{} {}", speed(profile.true_m_s), unit.name));
     Block speeds = table({"method", "by", ">best from, s", ">best", ">certified"},
                          fmt::format("Speeds in the best window of each method and in the "
@@ -55,7 +55,7 @@ Section rule_section(const ProfileComparison& profile, const Record* record, boo
     }
     Section section{.anchor = windows.profile,
                     .title = "Rule " + windows.profile,
-                    .blocks = {std::move(told), std::move(speeds)}};
+                    .blocks = {std::move(block), std::move(speeds)}};
     if (with_truth) add(section, std::move(errors));
     return section;
 }

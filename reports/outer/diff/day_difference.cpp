@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 constexpr const char* day_file = "day.yaml";
 
 /// What tells one failure from another.
-std::pair<std::string, std::string> told(const std::optional<DayFailure>& failure) {
+std::pair<std::string, std::string> failure_text(const std::optional<DayFailure>& failure) {
     return failure ? std::pair(failure->step, failure->problem)
                    : std::pair<std::string, std::string>();
 }
@@ -55,7 +55,7 @@ void compare_rule(DayComparison& comparison, const std::string& profile, const A
 void compare_attempt(DayComparison& comparison, const AttemptResult& from,
                      const AttemptResult& to) {
     const std::size_t before = comparison.states.size() + comparison.results.size();
-    if (from.state != to.state || told(from.failure) != told(to.failure)) {
+    if (from.state != to.state || failure_text(from.failure) != failure_text(to.failure)) {
         comparison.states.push_back({from.id, from.state, to.state, from.failure, to.failure});
     } else {
         for (const DayResult& result : from.results)

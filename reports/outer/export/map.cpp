@@ -90,23 +90,23 @@ Rows rows_of(const WindowSpan& span, const TrajectoryTable& trajectory) {
 std::vector<Fact> facts_of(const ProfileVerdict& verdict, const WindowSpan& span, double speed_m_s,
                            const std::optional<double>& expanded_uncertainty_m_s,
                            const std::vector<std::string>& refusals) {
-    Block told = facts({{"Rule", verdict.profile},
-                        {"Body", verdict.body},
-                        {"Title", verdict.title},
-                        {"Speed defined as", std::string(words_of(verdict.definition))}});
+    Block block = facts({{"Rule", verdict.profile},
+                         {"Body", verdict.body},
+                         {"Title", verdict.title},
+                         {"Speed defined as", std::string(words_of(verdict.definition))}});
     if (refusals.empty()) {
-        add_fact(told, "Outcome", outcome_words(state_of(verdict)).title);
-        add_fact(told, "Why", verdict.reason);
+        add_fact(block, "Outcome", outcome_words(state_of(verdict)).title);
+        add_fact(block, "Why", verdict.reason);
     }
-    add_fact(told, "Speed (m/s)", format_fixed(speed_m_s, speed_decimals_kept));
+    add_fact(block, "Speed (m/s)", format_fixed(speed_m_s, speed_decimals_kept));
     if (expanded_uncertainty_m_s)
-        add_fact(told,
+        add_fact(block,
                  fmt::format("Expanded uncertainty, k = {} (m/s)",
                              coverage_text(verdict.coverage_factor)),
                  format_fixed(*expanded_uncertainty_m_s, speed_decimals_kept));
-    add_fact(told, "Not certified, because", fmt::format("{}", fmt::join(refusals, "; ")));
-    std::ranges::move(span_facts(span).facts, std::back_inserter(told.facts));
-    return told.facts;
+    add_fact(block, "Not certified, because", fmt::format("{}", fmt::join(refusals, "; ")));
+    std::ranges::move(span_facts(span).facts, std::back_inserter(block.facts));
+    return block.facts;
 }
 
 /// The windows of one rule, in the order in which they are drawn. Colours are those of Okabe and

@@ -6,7 +6,7 @@
 
 #include "schemas/simulation/declared.h"
 #include "store/document_schema.h"
-#include "store/held_json.h"
+#include "store/opaque_json.h"
 
 namespace runcert {
 
@@ -14,7 +14,7 @@ namespace runcert {
 struct SimulationDocument : SimulationSpec {
     /// What the attempt to be written says beside its receiver and origin: keys and values of
     /// attempt/1.0, those that a claim cannot do without filled in.
-    HeldJson attempt = {};
+    OpaqueJson attempt = {};
     std::string attempt_place = {};  ///< "file:line:column" of that part, for messages
 };
 

@@ -95,17 +95,17 @@ std::int64_t drop_unused(SurfaceMesh& mesh, std::vector<std::int64_t>& lines) {
         for (const std::uint32_t corner : corners)
             used[corner] = true;
     std::vector<std::uint32_t> number(mesh.vertices.size(), 0);
-    std::uint32_t kept = 0;
+    std::uint32_t next = 0;
     for (std::size_t i = 0; i < used.size(); ++i) {
         if (!used[i]) continue;
-        number[i] = kept;
-        mesh.vertices[kept] = mesh.vertices[i];
-        if (!lines.empty()) lines[kept] = lines[i];
-        ++kept;
+        number[i] = next;
+        mesh.vertices[next] = mesh.vertices[i];
+        if (!lines.empty()) lines[next] = lines[i];
+        ++next;
     }
-    const auto unused = std::ssize(mesh.vertices) - static_cast<std::ptrdiff_t>(kept);
-    mesh.vertices.resize(kept);
-    if (!lines.empty()) lines.resize(kept);
+    const auto unused = std::ssize(mesh.vertices) - static_cast<std::ptrdiff_t>(next);
+    mesh.vertices.resize(next);
+    if (!lines.empty()) lines.resize(next);
     for (Corners& corners : mesh.triangles)
         for (std::uint32_t& corner : corners)
             corner = number[corner];

@@ -8,14 +8,14 @@ namespace runcert {
 
 /// A JSON value, a map unless set otherwise, for structs in headers that must not include the whole
 /// library, which takes two seconds to compile wherever it is included.
-class HeldJson {
+class OpaqueJson {
   public:
-    HeldJson();
-    HeldJson(nlohmann::ordered_json value);
-    HeldJson(const HeldJson& other);
-    HeldJson(HeldJson&& other) noexcept;
-    HeldJson& operator=(HeldJson other) noexcept;
-    ~HeldJson();
+    OpaqueJson();
+    OpaqueJson(nlohmann::ordered_json value);
+    OpaqueJson(const OpaqueJson& other);
+    OpaqueJson(OpaqueJson&& other) noexcept;
+    OpaqueJson& operator=(OpaqueJson other) noexcept;
+    ~OpaqueJson();
 
     operator const nlohmann::ordered_json&() const { return *value_; }
     const nlohmann::ordered_json& operator*() const { return *value_; }
@@ -25,7 +25,7 @@ class HeldJson {
     const nlohmann::ordered_json& at(const std::string& name) const;
     nlohmann::ordered_json& operator[](const std::string& name);
 
-    friend bool operator==(const HeldJson& a, const HeldJson& b);
+    friend bool operator==(const OpaqueJson& a, const OpaqueJson& b);
 
   private:
     std::unique_ptr<nlohmann::ordered_json> value_;

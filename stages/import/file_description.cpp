@@ -98,8 +98,8 @@ Receiver receiver_of(const std::string& path, const std::string& keys) {
     return read;
 }
 
-/// Reads what a format recognises. A key that it cannot be read without is stated by a value that
-/// it can be read with, and said to be needed.
+/// Reads a recording of a recognised format. A required key that the attempt would have to state is
+/// given a value that the recording can be read with, and listed as needed.
 Observations read_with_needed_keys(Receiver& receiver, const RecordingBytes& recording,
                                    std::vector<NeededKey>& needed) {
     try {

@@ -51,7 +51,7 @@ inline const SignalMeasurement* order_measurements(MeasuredEpoch& epoch) {
     return same == epoch.measurements.end() ? nullptr : &*same;
 }
 
-/// May take from the epoch what it wants.
+/// Receives each epoch and may move values out of it.
 using TakeMeasurements = std::function<void(MeasuredEpoch&)>;
 
 /// What holds for all of a file's measurements.

@@ -133,7 +133,7 @@ class Finder {
 
     void see(std::string text, bool of_simulator) {
         if (std::ranges::find(lines, text) != lines.end()) return;
-        // What says simulated is never left out for what else there is.
+        // A line that names a simulator always finds room.
         if (lines.size() == lines_at_most && of_simulator) lines.pop_back();
         if (lines.size() < lines_at_most) lines.push_back(std::move(text));
     }

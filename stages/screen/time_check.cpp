@@ -140,7 +140,7 @@ struct Jump {
     bool for_good = true;    ///< for a backward step: never caught up with
 };
 
-/// A stamp before a backward step that has not been caught up with.
+/// A stamp before a backward step, as long as no later stamp has reached it.
 struct Ahead {
     std::size_t row = 0;
     std::size_t jump = 0;

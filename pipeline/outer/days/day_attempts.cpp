@@ -39,7 +39,7 @@ void require_other_folder(const fs::path& folder, const fs::path& out) {
 
 constexpr std::size_t longest_id = 64;
 
-/// The sources of the others, "heats/b.yaml and day.yaml:14", not more than three.
+/// Where the others of one id stand, "heats/b.yaml and day.yaml:14"; at most three are named.
 std::string others(const std::vector<GivenAttempt*>& alike, const GivenAttempt* one) {
     constexpr std::size_t most = 3;
     std::vector<std::string> sources;

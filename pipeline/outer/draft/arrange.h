@@ -38,8 +38,8 @@ struct Arrangement {
 /// second receiver. An IMU's file is the primary receiver's, and so is that of a surface: of a
 /// table of vertices with the table of its triangles. A log with raw signals beside a solution
 /// holds the signals behind it. RINEX observations alone are a rover, and a base by its name.
-/// Series are what their columns say. Failure where that cannot be told, and where the files are of
-/// several attempts.
+/// Series are what their columns say. Failure if this cannot be determined, or if the files belong
+/// to several attempts.
 Arrangement arrange(const std::vector<HandedIn>& files);
 
 }  // namespace runcert

@@ -78,7 +78,7 @@ constexpr std::uint8_t wgs84 = 21;
 constexpr const char* damaged =
     "The record is damaged; take the recording as the receiver wrote it";
 
-/// An error estimate; nothing where it is zero or the field is full, which mean that it is unknown.
+/// An error estimate; empty if the field is zero or full, as receivers write an unknown one.
 template <class Integer>
 std::optional<double> error_estimate(const field::Number<Integer>& field,
                                      std::string_view payload) {

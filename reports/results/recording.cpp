@@ -208,6 +208,16 @@ Block recording_facts(const Observations& observations, const Receiver& receiver
             recorded.vertical_measured ? "measured" : "not measured: the estimate is in the plane");
     add_one("Accuracy", accuracy_words(observations.accuracy_source));
     add_stated(list, receiver, recorded.vertical_measured);
+    for (const SignedNavigation& one : observations.signed_navigation) {
+        add_one("Navigation messages", one.text());
+        if (one.result == NavigationAuthenticity::authentic)
+            add_one(
+                "What that shows",
+                "the log was not made before these bits were sent, its date is theirs, and the "
+                "orbits are Galileo's. It shows nothing of ranges, place or craft, and not that "
+                "the log was made at once: half a minute later the keys are public. A time stamp "
+                "of the log, or of its hash, bounds that");
+    }
     for (const std::string& note : observations.notes)
         add_one("Noticed", note);
     return list;

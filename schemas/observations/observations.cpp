@@ -30,6 +30,25 @@ std::string RecordingFacts::first_epoch_utc() const {
     return first_epoch ? to_utc_iso(*first_epoch, 9) : std::string();
 }
 
+std::string SignedNavigation::text() const {
+    std::string words = fmt::format("Galileo's signature (OSNMA): {}", words_of(result));
+    if (!reason.empty()) words += fmt::format(" ({})", reason);
+    if (test) words += "; the service says that it is in test";
+    if (tags + other_tags > 0 && first && last)
+        words +=
+            fmt::format("; orbit and clock of {} from {} to {} GPS time, {} of {} tags",
+                        fmt::join(satellites, ", "), to_iso(*first, 0),
+                        to_iso(last->plus_nanoseconds(30 * GpsTime::nanoseconds_per_second), 0),
+                        tags, tags + other_tags);
+    if (public_key && root_time)
+        words += fmt::format("; {} keys that lead to a root key of {}, under public key {}{}", keys,
+                             to_iso(*root_time, 0), *public_key,
+                             key_given ? " as the attempt gives it, which is to be compared with "
+                                         "the published one"
+                                       : "");
+    return words;
+}
+
 WindowSpan window_span(const RecordingFacts& facts, std::int64_t first_epoch,
                        std::int64_t last_epoch, ElapsedTime first, ElapsedTime last) {
     WindowSpan span{.first_epoch = first_epoch,

@@ -381,6 +381,8 @@ FactGroup recording_facts(const Observations& of, const Inspection& it) {
     if (of.processing) add_fact(all, "Solved", solving_text(*of.processing));
     add_times(it, all);
     add_fact(all, "Clock", of.time_origin);
+    for (const SignedNavigation& one : of.signed_navigation)
+        add_fact(all, "Messages", one.text());
     add_fact(all, "Place", place_text(of.rows));
     add_fact(all, "Epochs", epochs_text(it));
     add_fact(all, "Gaps", gaps_text(it));

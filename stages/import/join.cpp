@@ -157,6 +157,8 @@ Observations join(std::vector<Observations> parts, const std::vector<RecordingBy
             all.notes.push_back(seam_text(i + 1, span_of(parts[i - 1]), span_of(part),
                                           all.facts.nominal_interval_s));
         all.simulated |= part.simulated;
+        all.signed_navigation.insert(all.signed_navigation.end(), part.signed_navigation.begin(),
+                                     part.signed_navigation.end());
         all.written_by.insert(all.written_by.end(), part.written_by.begin(), part.written_by.end());
         if (i > 0 && part.processing && all.processing)
             all.processing->files.insert(all.processing->files.end(),

@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "stages/import/bits.h"
 #include "stages/import/byte_order.h"
 #include "stages/import/ubx/frames.h"
 #include "stages/import/ubx/raw.h"
@@ -7,64 +8,10 @@
 namespace runcert::ubx {
 namespace {
 
-constexpr double semicircle_rad = 3.1415926535898;  // [IS-GPS-200] table 20-IV, [GAL-ICD] 5.1.1
-
-/// Fields of bits out of bytes, the most significant bit first, one after the other.
-class Bits {
-  public:
-    Bits(const std::vector<std::uint8_t>& bytes, std::size_t at) : bytes_(bytes), at_(at) {}
-
-    void skip(std::size_t count) { at_ += count; }
-
-    std::uint32_t whole(std::size_t count) {
-        std::uint32_t value = 0;
-        for (std::size_t i = 0; i < count; ++i, ++at_)
-            value = value << 1 | ((bytes_[at_ / 8] >> (7 - at_ % 8)) & 1U);
-        return value;
-    }
-
-    std::int32_t with_sign(std::size_t count) {
-        const std::uint32_t value = whole(count);
-        const std::uint32_t sign = 1U << (count - 1);
-        return static_cast<std::int32_t>((value ^ sign) - sign);
-    }
-
-    /// The number times two to the power of `exponent`.
-    double scaled(std::size_t count, int exponent) { return std::ldexp(whole(count), exponent); }
-    double scaled_with_sign(std::size_t count, int exponent) {
-        return std::ldexp(with_sign(count), exponent);
-    }
-    double angle(std::size_t count, int exponent) {
-        return scaled_with_sign(count, exponent) * semicircle_rad;
-    }
-
-  private:
-    const std::vector<std::uint8_t>& bytes_;
-    std::size_t at_;
-};
-
-class BitWriter {
-  public:
-    void put(std::uint32_t value, std::size_t count) {
-        for (std::size_t i = count; i-- > 0; ++size_) {
-            if (size_ % 8 == 0) bytes_.push_back(0);
-            if ((value >> i) & 1U)
-                bytes_.back() = static_cast<std::uint8_t>(bytes_.back() | 1U << (7 - size_ % 8));
-        }
-    }
-    std::vector<std::uint8_t> take() && { return std::move(bytes_); }
-    std::string_view text() const {
-        return {reinterpret_cast<const char*>(bytes_.data()), bytes_.size()};
-    }
-
-  private:
-    std::vector<std::uint8_t> bytes_;
-    std::size_t size_ = 0;
-};
-
 constexpr std::size_t words_at = 8;
 constexpr std::size_t lnav_words = 10;
 constexpr std::size_t inav_words = 8;
+constexpr std::uint8_t galileo = 2, e1_b = 1;
 
 std::uint32_t word_at(std::string_view payload, std::size_t i) {
     return little_endian<std::uint32_t>(payload, words_at + 4 * i);
@@ -151,10 +98,24 @@ Ephemeris inav_ephemeris(const std::array<std::vector<std::uint8_t>, 6>& page, G
     return e;
 }
 
+std::array<std::uint8_t, 32> inav_bits(std::string_view payload) {
+    std::array<std::uint8_t, 32> bytes{};
+    for (std::size_t i = 0; i < bytes.size(); ++i)
+        bytes[i] = static_cast<std::uint8_t>(word_at(payload, i / 4) >> (24 - 8 * (i % 4)) & 0xffU);
+    return bytes;
+}
+
 }  // namespace
 
+std::optional<E1Page> e1_page(std::string_view payload) {
+    if (payload.size() < words_at + 4 * inav_words) return std::nullopt;
+    const auto at = [&](std::size_t i) { return little_endian<std::uint8_t>(payload, i); };
+    if (at(0) != galileo || at(2) != e1_b || at(4) < inav_words) return std::nullopt;
+    return E1Page{.satellite = at(1), .page = inav_page(inav_bits(payload))};
+}
+
 bool NavigationCollector::take(std::string_view payload, std::int64_t byte, GpsTime near) {
-    constexpr std::uint8_t gps = 0, galileo = 2;
+    constexpr std::uint8_t gps = 0;
     if (payload.size() < words_at) return false;
     const auto at = [&](std::size_t i) { return little_endian<std::uint8_t>(payload, i); };
     const std::uint8_t system = at(0), number = at(1), signal = at(2), words = at(4);
@@ -162,7 +123,7 @@ bool NavigationCollector::take(std::string_view payload, std::int64_t byte, GpsT
         return false;
     if (system == gps && signal == 0 && words == lnav_words)
         return take_lnav({SatelliteSystem::gps, number}, payload, byte, near);
-    const bool is_inav = signal == 1 || signal == 5;
+    const bool is_inav = signal == e1_b || signal == 5;
     if (system == galileo && is_inav && words >= inav_words)
         return take_inav({SatelliteSystem::galileo, number}, payload, byte, near);
     return false;
@@ -196,29 +157,9 @@ bool NavigationCollector::take_lnav(Satellite satellite, std::string_view payloa
 
 bool NavigationCollector::take_inav(Satellite satellite, std::string_view payload,
                                     std::int64_t byte, GpsTime near) {
-    // Two halves of 120 bits, even and odd, each with two bits of kind before its data.
-    const auto bits_of = [&](std::size_t half) {
-        BitWriter writer;
-        for (std::size_t i = 0; i < 4; ++i)
-            writer.put(word_at(payload, 4 * half + i), 32);
-        return std::move(writer).take();
-    };
-    const std::vector<std::uint8_t> even = bits_of(0), odd = bits_of(1);
-    const std::uint32_t even_kind = Bits(even, 0).whole(2), odd_kind = Bits(odd, 0).whole(2);
-    if (even_kind != 0b00 || odd_kind != 0b10) return false;
-    BitWriter checked;
-    checked.put(0, 4);
-    for (std::size_t i = 0; i < 114; ++i)
-        checked.put(Bits(even, i).whole(1), 1);
-    for (std::size_t i = 0; i < 82; ++i)
-        checked.put(Bits(odd, i).whole(1), 1);
-    if (crc24q(checked.text()) != Bits(odd, 82).whole(24)) return false;
-    BitWriter data;
-    for (std::size_t i = 0; i < 112; ++i)
-        data.put(Bits(even, 2 + i).whole(1), 1);
-    for (std::size_t i = 0; i < 16; ++i)
-        data.put(Bits(odd, 2 + i).whole(1), 1);
-    std::vector<std::uint8_t> word = std::move(data).take();
+    const std::optional<InavPage> read = inav_page(inav_bits(payload));
+    if (!read) return false;
+    std::vector<std::uint8_t> word(read->word.begin(), read->word.end());
     const std::uint32_t type = Bits(word, 0).whole(6);
     if (type < 1 || type > 5) return true;
     Pages& pages = pages_[satellite];

@@ -3,15 +3,26 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string_view>
 #include <vector>
 
 #include "core/gps_time.h"
 #include "satellites/ephemeris.h"
 #include "stages/import/measured_epoch.h"
+#include "stages/import/osnma/inav_page.h"
 #include "stages/import/recording.h"
 
 namespace runcert::ubx {
+
+/// A page that a satellite of Galileo sent on E1-B; none where it is damaged.
+struct E1Page {
+    std::uint8_t satellite = 0;
+    std::optional<InavPage> page;
+};
+
+/// The page in the payload of an RXM-SFRBX message; empty for another signal.
+std::optional<E1Page> e1_page(std::string_view payload);
 
 /// Puts ephemerides together from RXM-SFRBX messages: GPS LNAV (subframes 1 to 3 of one issue,
 /// [IS-GPS-200] 20.3.3) and Galileo I/NAV (words 1 to 4 of one issue, 5 for health and group delay,

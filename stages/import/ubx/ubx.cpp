@@ -4,8 +4,10 @@
 
 #include "core/text.h"
 #include "stages/import/format.h"
+#include "stages/import/osnma/osnma.h"
 #include "stages/import/ubx/epoch.h"
 #include "stages/import/ubx/frames.h"
+#include "stages/import/ubx/raw.h"
 
 /// u-blox UBX logs: NAV-PVT, NAV-HPPOSLLH, NAV-COV and NAV-DOP frames, or those of older receivers,
 /// between which other bytes may stand.
@@ -13,6 +15,7 @@ namespace runcert::ubx {
 namespace {
 
 constexpr MessageId raw_measurements = 0x0215;  ///< RXM-RAWX
+constexpr MessageId navigation_bits = 0x0213;   ///< RXM-SFRBX
 constexpr MessageId receiver_version = 0x0a04;  ///< MON-VER
 constexpr MessageId chip_identity = 0x2703;     ///< SEC-UNIQID
 
@@ -61,8 +64,9 @@ std::string identity_of(std::string_view payload) {
 /// Reads a recording frame by frame, and joins those of one navigation epoch.
 class UbxReader {
   public:
-    explicit UbxReader(const RecordingBytes& recording)
-        : recording_(recording),
+    UbxReader(const Receiver& receiver, const RecordingBytes& recording)
+        : receiver_(receiver),
+          recording_(recording),
           frames_(recording, frame_kind),
           maker_(recording),
           timed_(recording, WrittenResolution(CoordinateUnit::degree, 1e-7, 1e-9)) {}
@@ -80,6 +84,13 @@ class UbxReader {
         observations_.variant = variant();
         observations_.time_scale = maker_.tally().in_utc > 0 ? "utc" : "gps";
         set_instrument(observations_, instrument_);
+        if (auto found = signed_pages_.verify(osnma::public_keys(receiver_))) {
+            if (found->result == NavigationAuthenticity::contradicted)
+                observations_.notes.push_back("The recorded navigation messages are not as "
+                                              "Galileo signed them: " +
+                                              found->reason + ".");
+            observations_.signed_navigation.push_back(std::move(*found));
+        }
         set_rows(observations_, std::move(timed_));
         set_resolution();
         add_notes();
@@ -94,6 +105,9 @@ class UbxReader {
         const MessageId id = id_of(frame.bytes);
         const std::string_view payload = payload_of(frame);
         if (id == raw_measurements) ++raw_;
+        if (id == navigation_bits)
+            if (const auto page = e1_page(payload))
+                signed_pages_.add(page->satellite, page->page, last_time_);
         if (id == receiver_version) {
             const std::string serial = std::move(instrument_.serial);
             instrument_ = instrument_of(payload);
@@ -125,7 +139,10 @@ class UbxReader {
         if (!epoch || !(epoch->is_whole() || (epoch->has_position() && of_older_receivers())))
             return;
         try {
-            if (const auto row = maker_.row(*epoch)) timed_.add(*row, epoch->place());
+            if (const auto row = maker_.row(*epoch)) {
+                last_time_ = row->instant;
+                timed_.add(*row, epoch->place());
+            }
         } catch (const Failure& failure) {
             // The frames were whole: what they say is counted as a record of its own.
             timed_.count_bad(epoch->place(), failure);
@@ -230,6 +247,7 @@ class UbxReader {
             "The recording has no NAV-PVT messages; those of older receivers are used instead.");
     }
 
+    const Receiver& receiver_;
     const RecordingBytes& recording_;
     FrameReader frames_;
     RowMaker maker_;
@@ -240,6 +258,8 @@ class UbxReader {
     unsigned parts_ = 0;                       ///< bit set of the Parts that were there
     std::int64_t raw_ = 0;
     Instrument instrument_;
+    osnma::PageCollector signed_pages_;
+    std::optional<GpsTime> last_time_;  ///< of the last epoch
     std::int64_t repeated_ = 0;
 };
 
@@ -259,7 +279,7 @@ bool recognises(std::string_view bytes) {
 }
 
 Observations read(const Receiver& receiver, const RecordingBytes& recording) {
-    Observations observations = UbxReader(recording).read();
+    Observations observations = UbxReader(receiver, recording).read();
     apply_attempt(observations, receiver);
     return observations;
 }

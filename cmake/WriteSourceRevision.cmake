@@ -12,11 +12,19 @@ else()
     string(APPEND revision "-modified")
   endif()
 endif()
+execute_process(COMMAND git -C ${SOURCE_DIR} -c safe.directory=* log -1 --format=%ct
+  OUTPUT_VARIABLE seconds OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
+if(NOT seconds MATCHES "^[0-9]+$")
+  set(seconds 0)
+endif()
+set(ENV{SOURCE_DATE_EPOCH} ${seconds})
+string(TIMESTAMP time UTC)
 file(CONFIGURE OUTPUT ${OUTPUT} @ONLY CONTENT
 "#include \"store/program.h\"
 namespace runcert {
 const char* program_version() { return \"@VERSION@\"; }
 const char* source_revision() { return \"@revision@\"; }
+const char* source_time() { return \"@time@\"; }
 const char* program_home() { return \"@HOME_URL@\"; }
 }  // namespace runcert
 ")

@@ -114,7 +114,8 @@ void judge_report(FileComparison& file, const std::string& old_text, const std::
     const Json old_report = predicate_of(old_text, where), report = predicate_of(new_text, where);
     const auto made_by = [](const Json& predicate) {
         const Json* program = member_of(&predicate, "program");
-        return std::pair(text_in(program, "version"), text_in(program, "source_revision"));
+        return std::tuple(text_in(program, "version"), text_in(program, "source_revision"),
+                          program ? program->value("files", Json()) : Json());
     };
     const bool made_here = made_by(old_report) == made_by(report);
     if (!made_here) file.maker = "another program";

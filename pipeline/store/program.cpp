@@ -1,10 +1,13 @@
 #include "store/program.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <filesystem>
 
+#include "store/process.h"
 #include "store/sha256.h"
 
 namespace runcert {
@@ -23,6 +26,16 @@ void append_bits(std::string& bytes, double value) {
 }
 
 }  // namespace
+
+std::vector<ProgramFile> program_files() {
+    std::vector<ProgramFile> programs;
+    for (const auto& entry : std::filesystem::directory_iterator(program_folder()))
+        if (const std::string name = entry.path().filename().string();
+            (name == "runcert" || name.starts_with("runcert-")) && entry.is_regular_file())
+            programs.push_back({name, digest_file(entry.path()).sha256});
+    std::ranges::sort(programs, {}, &ProgramFile::name);
+    return programs;
+}
 
 std::string arithmetic_fingerprint() {
     static const std::string fingerprint = [] {

@@ -127,6 +127,9 @@ Json report_json(ReportInputs inputs) {
                             {"version", program_version()},
                             {"source_revision", source_revision()},
                             {"arithmetic", arithmetic_fingerprint()}};
+    Json& files = predicate["program"]["files"] = Json::array();
+    for (const ProgramFile& program : program_files())
+        files.push_back({{"name", program.name}, {"sha256", program.sha256}});
     if (const std::string home = program_home(); !home.empty()) predicate["program"]["home"] = home;
     predicate["signatures_required"] = signatures_required_json(inputs);
     predicate["certificate"] = certificate_json(inputs, predicate["report_id"].get<std::string>());

@@ -1,10 +1,13 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <map>
 #include <regex>
+#include <set>
 
 #include "chain_support.h"
 #include "core/text.h"
+#include "store/sha256.h"
 
 // Commands as people and programs type them.
 
@@ -34,6 +37,43 @@ TEST(CommandLine, HelpAndVersionAreCommandsToo) {
     EXPECT_EQ(runcert({"help", "verify"}).output, runcert({"verify", "--help"}).output);
     EXPECT_EQ(runcert({"version"}).output, runcert({"--version"}).output);
     EXPECT_EQ(runcert({"help", "verify"}).exit_status, 0);
+}
+
+TEST(CommandLine, WhatTheProgramsAreMadeWithIsListedAsSpdx) {
+    const ProcessResult result = runcert({"--version", "--sbom"});
+    ASSERT_EQ(result.exit_status, 0) << result.errors;
+    EXPECT_EQ(runcert({"--sbom", "--version"}).output, result.output);
+    EXPECT_EQ(runcert({"--sbom"}).exit_status, 2);
+    const auto document = nlohmann::json::parse(result.output);
+    EXPECT_EQ(document["spdxVersion"], "SPDX-2.3");
+    std::set<std::string> names, ids{"SPDXRef-DOCUMENT"};
+    for (const auto& package : document["packages"]) {
+        const std::string name = package["name"], id = package["SPDXID"];
+        EXPECT_TRUE(ids.insert(id).second) << id;
+        EXPECT_TRUE(std::regex_match(id, std::regex("SPDXRef-[A-Za-z0-9.-]+"))) << id;
+        names.insert(name);
+        if (name == "runcert" || name == "runcert-import") {
+            EXPECT_EQ(package["checksums"][0]["checksumValue"],
+                      sha256_hex(read_file(fs::path(RUNCERT_PROGRAMS) / name)));
+        }
+    }
+    for (const char* name :
+         {"runcert", "runcert-window", "Eigen", "Ceres Solver", "yaml-cpp", "fmt"})
+        EXPECT_TRUE(names.contains(name)) << name;
+    for (const auto& one : document["relationships"])
+        for (const char* end : {"spdxElementId", "relatedSpdxElement"})
+            EXPECT_TRUE(ids.contains(one[end])) << one;
+}
+
+TEST(CommandLine, AReportNamesTheFilesOfTheProgramsThatMadeIt) {
+    const TemporaryFolder folder;
+    certify(examples / "rejected" / "attempt.yaml", folder.path() / "run", {"--no-render"});
+    const auto report = nlohmann::json::parse(read_file(folder.path() / "run/report.json"));
+    std::map<std::string, std::string> files;
+    for (const auto& one : report["predicate"]["program"]["files"])
+        files[one["name"]] = one["sha256"];
+    for (const char* name : {"runcert", "runcert-import", "runcert-window", "runcert-report"})
+        EXPECT_EQ(files[name], sha256_hex(read_file(fs::path(RUNCERT_PROGRAMS) / name)));
 }
 
 TEST(CommandLine, CertifyAnswersProgramsInOneDocument) {

@@ -12,6 +12,7 @@
 #include "core/text.h"
 #include "outer_commands.h"
 #include "run/stage_main.h"
+#include "sbom.h"
 #include "store/external_program.h"
 #include "store/process.h"
 #include "store/program.h"
@@ -71,13 +72,19 @@ int main(int argc, char** argv) {
         CLI::App app("Certifies speed-record attempts from recorded satellite positions",
                      "runcert");
         app.require_subcommand(1);
-        app.set_version_flag(
+        bool sbom = false;
+        auto* const listed = app.add_flag(
+            "--sbom", sbom, "with --version: programs and libraries with their hashes, as SPDX");
+        listed->trigger_on_parse();
+        CLI::Option* const version = app.set_version_flag(
             "--version",
-            [] {
+            [&sbom] {
+                if (sbom) return std::string(trim(sbom_text()));
                 return fmt::format("runcert {} {}\n{}", program_version(), source_revision(),
                                    trim(external_programs_text()));
             },
             "Print the version, and which external programs there are");
+        listed->needs(version);
         app.footer("Exit status: 0 success or yes, 1 no, 2 error.");
         const auto add_companion = [&app](const Companion& one) {
             app.add_subcommand(std::string(one.name), one.summary);

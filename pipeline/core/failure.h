@@ -33,4 +33,18 @@ class Failure : public std::runtime_error {
     std::string remedy_;
 };
 
+/// The computer could not do it: its disk is full or broken, its memory or its open files are used
+/// up. What was read is not at fault, so nothing is found against it.
+class ComputerFailure : public Failure {
+  public:
+    /// How the problem begins, by which a program knows it in what another one said.
+    static constexpr const char* prefix = "this computer failed: ";
+
+    ComputerFailure(std::string where, const std::string& what, std::string remedy)
+        : Failure(std::move(where), prefix + what, std::move(remedy)) {}
+
+    /// The problem without how it begins.
+    std::string what_failed() const { return problem().substr(std::string(prefix).size()); }
+};
+
 }  // namespace runcert

@@ -11,6 +11,7 @@
 
 #include "core/text.h"
 #include "make/run_record.h"
+#include "run/chain.h"
 
 namespace runcert {
 namespace {
@@ -82,21 +83,6 @@ std::vector<std::string> different_settings(const Json& a, const Json& b) {
             different.push_back(
                 fmt::format("{} nothing -> {}", dotted(pointer), value_text(value)));
     return different;
-}
-
-/// The three lines that every program of this project prints on standard error when it fails.
-std::vector<std::string> own_words(const std::string& errors) {
-    const std::vector<std::string> lines = lines_of(errors);
-    constexpr std::array heads{std::string_view("error: "), std::string_view("  where: "),
-                               std::string_view("  what to do: ")};
-    if (lines.size() < heads.size()) return {};
-    std::vector<std::string> words;
-    for (std::size_t i = 0; i < heads.size(); ++i) {
-        const std::string& line = lines[lines.size() - heads.size() + i];
-        if (!line.starts_with(heads[i])) return {};
-        words.push_back(line.substr(heads[i].size()));
-    }
-    return words;
 }
 
 std::string how_it_ended(const ProcessResult& result, std::chrono::milliseconds time_limit) {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <chrono>
 #include <nlohmann/json.hpp>
 
@@ -89,9 +90,28 @@ GpsTime end_of_tomorrow(std::time_t now) {
                                       GpsTime::nanoseconds_per_day);
 }
 
+std::vector<std::string> own_words(const std::string& errors) {
+    const std::vector<std::string> lines = lines_of(errors);
+    constexpr std::array heads{std::string_view("error: "), std::string_view("  where: "),
+                               std::string_view("  what to do: ")};
+    if (lines.size() < heads.size()) return {};
+    std::vector<std::string> words;
+    for (std::size_t i = 0; i < heads.size(); ++i) {
+        const std::string& line = lines[lines.size() - heads.size() + i];
+        if (!line.starts_with(heads[i])) return {};
+        words.push_back(line.substr(heads[i].size()));
+    }
+    return words;
+}
+
 std::string message_of(const StageFailed& failed) {
     const ProcessResult& result = failed.result;
-    if (result.end == ProcessEnd::by_itself && result.exit_status == 2) return result.errors;
+    if (result.end == ProcessEnd::by_itself && result.exit_status == 2) {
+        const std::vector<std::string> words = own_words(result.errors);
+        const std::string begin = capitalised(ComputerFailure::prefix);
+        if (words.empty() || !words[0].starts_with(begin)) return result.errors;
+        throw ComputerFailure(words[1], words[0].substr(begin.size()), words[2]);
+    }
     throw Failure(step_named(failed.name).program,
                   fmt::format("the program ended with status {}: {}", result.exit_status,
                               escape_for_message(result.errors, 400)),

@@ -29,7 +29,12 @@ struct StageFailed {
     ProcessResult result;
 };
 
-/// What the program told the user, if it ended with status 2. Failure if it ended in any other way.
+/// The three lines that every program of this project prints on standard error when it fails: what,
+/// where, what to do. None where these are not the last ones.
+std::vector<std::string> own_words(const std::string& errors);
+
+/// What the program told the user, if it ended with status 2. Failure if it ended in any other way,
+/// and ComputerFailure where it says that one ended it.
 std::string message_of(const StageFailed& failed);
 
 /// Which of the programs of others that the step calls did not do its work: it is missing, or said

@@ -143,9 +143,10 @@ int guarded_main(const std::function<int()>& body) {
         say_failure({"the command line", error.what(), "See --help"});
     } catch (const std::bad_alloc&) {
         // Nothing that would take memory.
-        fmt::print(stderr,
-                   "error: There is not enough memory.\n  where: this computer\n  what to do: "
-                   "Close other programs, or cut the recording down to the runs.\n");
+        std::fputs(
+            "error: This computer failed: there is not enough memory.\n  where: its memory\n"
+            "  what to do: Close other programs, or cut the recording down to the runs.\n",
+            stderr);
     } catch (const std::filesystem::filesystem_error& error) {
         say_failure({escape_for_message(error.path1().string(), 400), error.code().message(),
                      "Check that it can be read and written"});

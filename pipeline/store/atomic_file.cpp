@@ -74,6 +74,10 @@ class TemporaryFile {
         if (sync == Sync::later) return;
         try {
             folder_.sync();
+        } catch (const ComputerFailure& failure) {
+            throw ComputerFailure(path_.string(),
+                                  "the new file is in place, but " + failure.what_failed(),
+                                  failure.remedy());
         } catch (const Failure& failure) {
             throw Failure(path_.string(), "the new file is in place, but " + failure.problem(),
                           failure.remedy());

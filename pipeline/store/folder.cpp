@@ -62,8 +62,10 @@ std::string remedy_for(int error) {
 }  // namespace
 
 void fail_of_system(const fs::path& path, const std::string& attempted, int error) {
-    throw Failure(path.string(), attempted + ": " + std::generic_category().message(error),
-                  remedy_for(error));
+    const std::string problem = attempted + ": " + std::generic_category().message(error);
+    for (const int own : {ENOSPC, EDQUOT, EIO, ENOMEM, EMFILE, ENFILE})
+        if (error == own) throw ComputerFailure(path.string(), problem, remedy_for(error));
+    throw Failure(path.string(), problem, remedy_for(error));
 }
 
 Folder::Folder(const fs::path& named) : path_(named), folder_(::open(named.c_str(), open_folder)) {

@@ -39,7 +39,7 @@ class FileDescriptor {
 };
 
 /// Throws the Failure of a system call: what was attempted on which file, the error (errno), and
-/// what a user can do about it.
+/// what a user can do about it. A ComputerFailure where no file is at fault.
 [[noreturn]] void fail_of_system(const std::filesystem::path& path, const std::string& attempted,
                                  int error);
 

@@ -250,6 +250,8 @@ Attestations judge_attestations(const fs::path& run_dir, const ReportFacts& repo
                 all.push_back(std::move(one));
             else
                 result.strangers.push_back(one.file);
+        } catch (const ComputerFailure&) {
+            throw;
         } catch (const Failure& failure) {
             result.faults.push_back(
                 fmt::format("{}/{}: {}", attestations_folder, file.name, failure.problem()));

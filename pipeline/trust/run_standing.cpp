@@ -377,6 +377,8 @@ AttestationLayer verify_attestations(const fs::path& run_dir, const ReportFacts&
         layer.standing =
             run_standing(report, judge_attestations(run_dir, report, rules), signers, rules);
         layer.step = step_of(run_dir, *layer.standing);
+    } catch (const ComputerFailure&) {
+        throw;
     } catch (const Failure& failure) {
         layer.step = {.what = "attestations",
                       .finding = "what is to be attested, or was, cannot be read"};

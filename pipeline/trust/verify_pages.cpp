@@ -262,6 +262,8 @@ void judge_pdf(VerificationStep& step, const fs::path& pdf, const fs::path& own,
         if (fault) return step.fail(fmt::format("{}: {}: {}", name, *fault, differs));
         if (!fs::exists(own)) return add(step, name, *obstacle);
         judge_other_pdf(step, pdf, own);
+    } catch (const ComputerFailure&) {
+        throw;
     } catch (const Failure& failure) {
         step.fail(fmt::format("{}: it cannot be read as a PDF: {}", name, failure.problem()));
     }

@@ -22,6 +22,9 @@ void add_attest(CLI::App& app, Command& chosen);
 void add_timestamp(CLI::App& app, Command& chosen);
 void add_keygen(CLI::App& app, Command& chosen);
 void add_bundle(CLI::App& app, Command& chosen);
+void add_receive(CLI::App& app, Command& chosen);
+void add_log(CLI::App& app, Command& chosen);
+void add_roster(CLI::App& app, Command& chosen);
 void add_seal(CLI::App& app, Command& chosen);
 
 CommandLine added_command(CLI::App& app, Command& chosen, const std::string& name,

@@ -8,6 +8,7 @@
 #include "trust/bundle.h"
 #include "trust/roster.h"
 #include "trust/signature.h"
+#include "trust/signed_log.h"
 #include "trust/signing.h"
 
 namespace runcert {
@@ -18,6 +19,7 @@ struct SignOptions {
     std::string key;
     std::string role;
     std::string roster;
+    std::string log;
     bool no_render = false;
     bool no_recompute = false;
 };
@@ -45,6 +47,8 @@ int sign_run(const SignOptions& options) {
     std::string file;
     {
         const RunLock lock(run_dir);
+        // Before the signature: there is none that the log lacks.
+        if (!options.log.empty()) append_to_log(options.log, entry_of(report, options.role, key));
         file = sign_report(run_dir, report, key, options.role, !options.no_recompute);
     }
     fmt::print("signed  report {} of {}, as {}, by the key {}\nfile    {}\n", report.report_id,
@@ -73,6 +77,7 @@ void add_sign(CLI::App& app, Command& chosen) {
               "sign without computing every file again; the signature then says so");
     line.text("--roster", options.roster,
               "whose signatures and answers the pages count; verify them with it too");
+    line.text("--log", options.log, "the body's log of what is signed, to which this is added");
     line.flag("--no-render", options.no_render, "leave the pages as they are");
     line.footer(
         "Writes report.json.minisig, or report.json.ROLE.minisig where another signer has that; "

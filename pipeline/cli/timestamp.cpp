@@ -7,6 +7,7 @@
 #include "run/run_lock.h"
 #include "store/atomic_file.h"
 #include "store/process.h"
+#include "trust/receipt.h"
 #include "trust/signature_files.h"
 #include "trust/time_stamp.h"
 #include "trust/verification.h"
@@ -24,7 +25,8 @@ struct TimestampOptions {
 
 /// Writes the query of each signature that has no stamp; one that was written earlier stays, since
 /// its reply may be under way.
-int write_queries(const fs::path& run_dir, const std::vector<SignatureFile>& signatures) {
+int write_queries(const fs::path& run_dir, const std::vector<SignatureFile>& signatures,
+                  const std::string& given) {
     bool sent = false;
     for (const SignatureFile& signature : signatures) {
         const fs::path stamp = run_dir / time_stamp_name(signature.name);
@@ -39,7 +41,7 @@ int write_queries(const fs::path& run_dir, const std::vector<SignatureFile>& sig
             "query    {0}\n  send   curl -H 'Content-Type: application/timestamp-query' "
             "--data-binary '@{0}' -o reply.tsr AUTHORITY\n"
             "  then   runcert timestamp {1} --reply reply.tsr\n",
-            query.string(), run_dir.string());
+            query.string(), given);
         sent = true;
     }
     if (sent) fmt::print("AUTHORITY is the address of a time stamp authority (RFC 3161).\n");
@@ -95,7 +97,17 @@ int take_reply(const fs::path& run_dir, const std::vector<SignatureFile>& signat
     return 0;
 }
 
+/// Of a receipt, in the folder where it is.
+int timestamp_receipt(const TimestampOptions& options) {
+    const fs::path file = options.run_dir;
+    (void)read_receipt(read_handwritten(file), file.string());
+    const std::vector<SignatureFile> alone{{.name = file.filename().string()}};
+    return options.reply.empty() ? write_queries(folder_of(file), alone, options.run_dir)
+                                 : take_reply(folder_of(file), alone, options);
+}
+
 int timestamp(const TimestampOptions& options) {
+    if (fs::is_regular_file(options.run_dir)) return timestamp_receipt(options);
     const fs::path run_dir = options.run_dir;
     const RunLock lock(run_dir);
     (void)read_report_facts(run_dir);
@@ -103,7 +115,7 @@ int timestamp(const TimestampOptions& options) {
     if (signatures.empty())
         throw Failure(run_dir.string(), "the report is not signed: there is nothing to stamp",
                       "Sign it first: runcert sign");
-    return options.reply.empty() ? write_queries(run_dir, signatures)
+    return options.reply.empty() ? write_queries(run_dir, signatures, options.run_dir)
                                  : take_reply(run_dir, signatures, options);
 }
 
@@ -113,7 +125,8 @@ void add_timestamp(CLI::App& app, Command& chosen) {
     auto [line, options] = add_command<TimestampOptions>(
         app, chosen, "timestamp", "Have signatures time-stamped by an authority (RFC 3161)",
         timestamp);
-    line.text("RUN_DIR", options.run_dir, "the folder of a signed run", CommandLine::required);
+    line.text("RUN_DIR", options.run_dir, "the folder of a signed run, or a receipt",
+              CommandLine::required);
     line.text("--reply", options.reply, "what the authority answered to one of the queries");
     line.texts("--ca", options.cas,
                "certificate (PEM) of the root that the authority is under; may be repeated");

@@ -15,8 +15,10 @@
 #include "store/external_program.h"
 #include "store/process.h"
 #include "trust/bundle.h"
+#include "trust/receipt.h"
 #include "trust/roster.h"
 #include "trust/run_standing.h"
+#include "trust/signed_log.h"
 #include "trust/verification.h"
 
 namespace runcert {
@@ -57,19 +59,27 @@ SignatureRules read_rules(const VerifyOptions& options) {
     rules.time_stamp_cas.assign(options.time_stamp_cas.begin(), options.time_stamp_cas.end());
     rules.present = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
     rules.at = rules.present;
-    if (options.at.empty()) return rules;
+    const auto in_force = [&] {
+        if (rules.roster) require_in_force(*rules.roster, rules.at, options.roster);
+    };
+    if (options.at.empty()) {
+        in_force();
+        return rules;
+    }
     const auto at = parse_iso_utc(options.at);
     if (!at)
         throw Failure("--at", fmt::format("\"{}\" is no time", escape_for_message(options.at)),
                       "Write it in UTC as 2026-11-21T20:41:50Z");
     rules.at = *at;
     rules.at_was_given = true;
+    in_force();
     return rules;
 }
 
 /// Layers beside the decision: where one of these cannot be checked here, the others stand, and the
 /// last line names it.
-constexpr std::array<std::string_view, 3> beside_the_decision{"bundle", "time stamps", "pages"};
+constexpr std::array<std::string_view, 4> beside_the_decision{"bundle", "time stamps", "log",
+                                                              "pages"};
 
 bool fails(const VerificationStep& step) {
     return step.is(LayerAnswer::not_verified);
@@ -302,6 +312,10 @@ int verify(const VerifyOptions& options) {
     AttestationLayer attestations = verify_attestations(run_dir, report, result.signers, rules);
     result.layers.push_back(std::move(attestations.step));
     result.standing = std::move(attestations.standing);
+    if (auto receipts = verify_receipts(run_dir, report, rules))
+        result.layers.push_back(std::move(*receipts));
+    if (auto logged = verify_logged(run_dir, report, rules))
+        result.layers.push_back(std::move(*logged));
     add_long_layer(result, options.keep_going, "pages", [&] {
         return verify_pages(run_dir, report, rules, result.standing.value_or(RunStanding{}));
     });

@@ -89,6 +89,11 @@ std::vector<AttemptFile> files_of_receiver(const Receiver& receiver) {
     if (!receiver.base.empty()) add("base", {receiver.base});
     add("navigation", receiver.navigation);
     if (!receiver.phase.empty()) add("phase", {receiver.phase});
+    if (receiver.receipt) {
+        add("receipt", {receiver.receipt->file});
+        if (!receiver.receipt->time_stamp.empty())
+            add("receipt_stamp", {receiver.receipt->time_stamp});
+    }
     if (receiver.imu) add("imu", {receiver.imu->file});
     if (receiver.surface) {
         add("surface", {receiver.surface->file});

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/failure.h"
+#include "core/figures.h"
 #include "core/text.h"
 #include "schemas/common/role_signatures.h"
 #include "store/atomic_file.h"
@@ -136,21 +137,11 @@ RosterEntry read_line(std::string_view rest, std::size_t number, const std::stri
 
 constexpr std::string_view own_comment = "#runcert";
 
-/// "#runcert signatures judge=2,measurer" or "#runcert close judge": comments to ssh-keygen. One
-/// that is not understood is refused: who wrote it relies on it.
-void read_policy(Roster& roster, std::string_view line, const std::string& where) {
+/// "judge=2,measurer".
+std::vector<RoleSignatures> read_counts(std::string_view list, const std::string& where,
+                                        const std::string& remedy) {
     constexpr std::int64_t most = 99;
-    const char* const remedy = "Write #runcert signatures ROLE=COUNT,... or #runcert close ROLE";
-    std::vector<RoleSignatures>& required = roster.required;
-    line.remove_prefix(own_comment.size());
-    const std::string_view policy = line.find_first_of(blanks) == 0 ? take_word(line, where) : "";
-    const std::string_view list = take_word(line, where);
-    if (policy == "close" && line.empty() && is_role(list) && !roster.closed_by) {
-        roster.closed_by = list;
-        return;
-    }
-    if (policy != "signatures" || list.empty() || !line.empty())
-        refuse_line(where, "this line for runcert is not understood", remedy);
+    std::vector<RoleSignatures> required;
     for (std::size_t at = 0; at <= list.size();) {
         const std::string_view entry = list.substr(at, list.find(',', at) - at);
         at += entry.size() + 1;
@@ -168,6 +159,63 @@ void read_policy(Roster& roster, std::string_view line, const std::string& where
                         remedy);
         required.push_back({.role = role, .count = *count});
     }
+    return required;
+}
+
+/// Revocations as they are read: of keys whose lines may come later.
+using Revocations = std::vector<std::pair<SshPublicKey, Revocation>>;
+
+/// A line for runcert: comments to ssh-keygen. One that is not understood is refused: who wrote it
+/// relies on it.
+void read_policy(Roster& roster, Revocations& revoked, std::string_view line,
+                 const std::string& where) {
+    const char* const remedy =
+        "Write #runcert signatures ROLE=COUNT,..., close ROLE, valid-until TIME, successor "
+        "ROLE=COUNT,..., follows SHA256, revoked TIME \"REASON\" TYPE KEY, or record RULE CLASS "
+        "FIGURE UNIT \"SOURCE\"";
+    line.remove_prefix(own_comment.size());
+    const std::string_view policy = line.find_first_of(blanks) == 0 ? take_word(line, where) : "";
+    const std::string first(take_word(line, where));
+    const auto next = [&] { return std::string(take_word(line, where)); };
+    bool understood = !first.empty();
+    if (policy == "close" && is_role(first) && !roster.closed_by) {
+        roster.closed_by = first;
+    } else if (policy == "signatures" && understood) {
+        for (RoleSignatures& one : read_counts(first, where, remedy)) {
+            understood &= std::ranges::find(roster.required, one.role, &RoleSignatures::role) ==
+                          roster.required.end();
+            roster.required.push_back(std::move(one));
+        }
+    } else if (policy == "successor" && understood && roster.successor.empty()) {
+        roster.successor = read_counts(first, where, remedy);
+    } else if (policy == "valid-until" && !roster.valid_until) {
+        roster.valid_until = read_time(first, "valid-until", where);
+    } else if (policy == "follows" && first.size() == 64 && roster.follows.empty()) {
+        roster.follows = first;
+    } else if (policy == "revoked") {
+        Revocation revocation{.at = read_time(first, "revoked", where), .reason = next()};
+        const std::string type = next();
+        understood = !revocation.reason.empty() && is_ssh_key_type(type);
+        if (understood)
+            revoked.emplace_back(parse_ssh_public_key(type, next(), where), std::move(revocation));
+    } else if (policy == "record" && has_only(first, "-_.")) {
+        StandingRecord record{.profile = first, .craft_class = next()};
+        const std::string figure = next(), unit = next();
+        const auto value = parse_double(figure);
+        const auto known = std::ranges::find(speed_units(), unit, &SpeedUnit::name);
+        understood = value && *value > 0.0 && known != speed_units().end();
+        record.source = next();
+        understood &= !record.source.empty();
+        if (understood) {
+            record.shown = figure + " " + unit;
+            record.speed_m_s = *value / known->per_m_s;
+            roster.records.push_back(std::move(record));
+        }
+    } else {
+        understood = false;
+    }
+    if (!understood || !line.empty())
+        refuse_line(where, "this line for runcert is not understood", remedy);
 }
 
 /// Failure where a comment begins with this program's name, but not as its own lines do: whoever
@@ -201,12 +249,14 @@ bool RosterEntry::allows(std::string_view role) const {
 }
 
 bool RosterEntry::is_valid_at(UtcSecond time) const {
-    return (!valid_after || time >= *valid_after) && (!valid_before || time <= *valid_before);
+    return (!revoked || time < revoked->at) && (!valid_after || time >= *valid_after) &&
+           (!valid_before || time <= *valid_before);
 }
 
 Roster parse_roster(std::string_view text, const std::string& where) {
     signature_text::start_libsodium();
     Roster roster{.text = std::string(text)};
+    Revocations revoked;
     const auto lines = signature_text::lines_of(text);
     for (std::size_t i = 0; i < lines.size(); ++i) {
         std::string_view line = lines[i];
@@ -215,14 +265,41 @@ Roster parse_roster(std::string_view text, const std::string& where) {
         if (!is_printable_line(line))
             refuse_line(place, "the line holds characters that do not print");
         require_no_likeness(line, place);
-        if (line.starts_with(own_comment)) read_policy(roster, line, place);
+        if (line.starts_with(own_comment)) read_policy(roster, revoked, line, place);
         if (line.empty() || line.starts_with('#')) continue;
         roster.entries.push_back(read_line(line, i + 1, place));
+    }
+    for (const auto& [key, revocation] : revoked) {
+        bool named = false;
+        for (RosterEntry& entry : roster.entries)
+            if (entry.key == key) {
+                named = true;
+                entry.revoked = revocation;
+            }
+        if (!named)
+            refuse_line(where, "it revokes a key that has no line: " + ssh_fingerprint(key),
+                        "Keep the key's line: what was time-stamped before it was revoked counts");
     }
     if (roster.entries.empty())
         refuse_line(where, "the roster names no key",
                     "Write a line for each key whose signature counts");
     return roster;
+}
+
+const StandingRecord* Roster::record_of(std::string_view profile,
+                                        std::string_view craft_class) const {
+    for (const StandingRecord& record : records)
+        if (record.profile == profile && matches_pattern_list(craft_class, record.craft_class))
+            return &record;
+    return nullptr;
+}
+
+void require_in_force(const Roster& roster, UtcSecond at, const std::string& where) {
+    if (roster.valid_until && at > *roster.valid_until)
+        throw Failure(where,
+                      fmt::format("the roster was in force until {}, and it is {}",
+                                  iso_text(*roster.valid_until), iso_text(at)),
+                      "Ask the body for its present roster");
 }
 
 std::optional<Roster> read_roster(const std::string& file) {

@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 
@@ -186,6 +187,21 @@ std::vector<RuleStanding> read_rules(const ReportFacts& report, bool with_files)
     return rules;
 }
 
+/// The body's word on the record that stands goes before the attempt's.
+void compare_record(RuleStanding& rule, const ReportFacts& report, const Roster& roster) {
+    const StandingRecord* const stands = roster.record_of(
+        rule.profile,
+        report.json->at("predicate").at("attempt").at("craft_class").get<std::string>());
+    const auto verdict =
+        std::ranges::find(report.verdict->profiles, rule.profile, &ProfileVerdict::profile);
+    if (stands == nullptr || verdict == report.verdict->profiles.end() || !verdict->record) return;
+    constexpr double as_written = 1e-6;  // by conversions between units
+    if (std::abs(verdict->record->speed_m_s / stands->speed_m_s - 1.0) < as_written) return;
+    Standing& standing = rule.state.standing;
+    standing.other_record = fmt::format("{} ({})", stands->shown, stands->source);
+    if (standing.state == StandingState::complete) standing.state = StandingState::awaiting;
+}
+
 /// Says of superseded/ how many answers to an earlier report lie there, and what only looks like
 /// one.
 void add_superseded(const fs::path& run_dir, std::vector<std::string>& details) {
@@ -321,6 +337,7 @@ RunStanding run_standing(const ReportFacts& report, const Attestations& attestat
             if (clause.profile == rule.profile)
                 rule.clauses.push_back(standing_of(clause, attestations));
         rule.state.standing = summed(rule.clauses, signatures, standing.closed);
+        if (rules.vouches()) compare_record(rule, report, *rules.roster);
         rule.state.vouched_by = vouched_by;
     }
     return standing;

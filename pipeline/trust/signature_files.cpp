@@ -169,7 +169,7 @@ std::string time_stamp_query_name(std::string_view signature) {
 bool belongs_to_signatures(std::string_view name) {
     for (const std::string_view end : {time_stamp_end, query_end})
         if (name.ends_with(end)) return is_signature_name(name.substr(0, name.size() - end.size()));
-    return is_signature_name(name);
+    return name == log_proof_file || is_signature_name(name);
 }
 
 bool is_file_of_a_run(const std::string& name) {
@@ -178,9 +178,10 @@ bool is_file_of_a_run(const std::string& name) {
     if (name == attempt_copy_name) return true;
     for (const FieldRule& rule : attempt_schema().fields())
         if (!rule.series.empty() && name == rule.path + ".csv") return true;
-    constexpr std::array begins{"profile.", "recording.", "base.",    "navigation.",
-                                "phase.",   "imu.",       "surface.", "triangles.",
-                                "rtklib.",  "forward.",   "backward."};
+    constexpr std::array begins{"profile.",      "recording.", "base.",     "navigation.",
+                                "phase.",        "imu.",       "surface.",  "triangles.",
+                                "rtklib.",       "forward.",   "backward.", "receipt.",
+                                "receipt_stamp."};
     return std::ranges::any_of(begins, [&](const char* part) {
         return name.starts_with(part) && name.size() > std::string_view(part).size();
     });

@@ -29,7 +29,11 @@ bool is_signature_name(std::string_view name);
 std::string time_stamp_name(std::string_view signature);
 std::string time_stamp_query_name(std::string_view signature);
 
-/// Whether a file of a run folder is, by its name, a signature, its time stamp or the query for it.
+/// The file of a run folder that proves that its report is in a log (signed_log.h).
+inline constexpr std::string_view log_proof_file = "report.json.logged";
+
+/// Whether a file of a run folder is, by its name, a signature, its time stamp or the query for it,
+/// or that proof.
 bool belongs_to_signatures(std::string_view name);
 
 /// Whether a run can have a file of that name beside its report, pages and run.yaml.

@@ -33,6 +33,10 @@ std::vector<const RosterEntry*> entries_of(const SshPublicKey& key, const Signat
 /// Why the key's entry does not cover that time, in words; `what` says whose time it is.
 std::string out_of_validity(const RosterEntry& entry, UtcSecond time, const std::string& role,
                             const std::string& what) {
+    if (entry.revoked && time >= entry.revoked->at)
+        return fmt::format("the key of {} was revoked as of {}: {}; {} is {}", role,
+                           iso_text(entry.revoked->at), entry.revoked->reason, what,
+                           iso_text(time));
     if (entry.valid_before && time > *entry.valid_before)
         return fmt::format("the key of {} was valid until {}, {} is {}", role,
                            iso_text(*entry.valid_before), what, iso_text(time));
@@ -47,7 +51,8 @@ std::string objection_of(const RosterEntry& entry, const Signer& signer, const S
     if (!entry.is_valid_at(time)) {
         const std::string what =
             one.stamped ? "the time of its time stamp" : "the time that counts";
-        const bool expired = entry.valid_before && time > *entry.valid_before;
+        const bool expired = (entry.valid_before && time > *entry.valid_before) ||
+                             (entry.revoked && time >= entry.revoked->at);
         return out_of_validity(entry, time, signer.role, what) +
                (expired && !one.stamped ? "; only a time stamp from before its end could show that "
                                           "the signature is older"

@@ -19,6 +19,7 @@
 #include "schemas/screened_phase/declared.h"
 #include "store/atomic_file.h"
 #include "trust/attestation.h"
+#include "trust/receipt.h"
 #include "trust/signature_files.h"
 #include "trust/signing.h"
 #include "witness/surface_input.h"
@@ -55,6 +56,8 @@ void view_phases(StageRun& run, ReportInputs& inputs) {
 ReportInputs gather(StageRun& run) {
     ReportInputs inputs{read_run_view(run, Reading::whole)};
     view_phases(run, inputs);
+    for (const Receiver& receiver : run.attempt().receivers)
+        inputs.handed_in.push_back(receipt_text(receiver, run.run_dir()));
     const ReceiverResults& judged = inputs.receivers.front();
     if (has_surface(judged.receiver))
         inputs.surface = surface_of(run.read(products::surface, judged.receiver, read_surface),

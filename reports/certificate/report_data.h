@@ -62,6 +62,9 @@ struct ReportInputs : RunView {
     /// What the judged receiver's phases say around the first certified window, for its figures.
     std::optional<PhaseView> phase_view = {};
     std::optional<Triangulation> surface = {};  ///< that it ran on, in the run's frame
+    /// What the receipts of the receivers' recordings show, in their order; empty where there is
+    /// none, or no entry.
+    std::vector<std::string> handed_in = {};
 
     /// Puts the results with second files in the place of those without, or back.
     void exchange_with_files() {

@@ -228,6 +228,8 @@ Section recording_section(const ReportInputs& inputs) {
         if (results.screened_phase)
             for (const std::string& sentence : phase_sentences(*results.screened_phase))
                 add_fact(recorded, "Noticed", sentence);
+        if (i < inputs.handed_in.size() && !inputs.handed_in[i].empty())
+            add_fact(recorded, "Handed in", inputs.handed_in[i]);
         add(section, std::move(recorded));
         add(section, estimation_blocks(results.trajectory.estimation));
     }

@@ -24,6 +24,8 @@ std::vector<std::string> answered_otherwise(const Standing& standing) {
     if (const std::int64_t count = standing.refused.value_or(0); count > 0)
         words.push_back(fmt::format("{} answered no", counted(count, "requirement")));
     if (standing.unclosed.value_or(0) > 0) words.emplace_back("answers not closed");
+    if (!standing.other_record.empty())
+        words.push_back("another record stands by the roster, " + standing.other_record);
     return words;
 }
 

@@ -27,6 +27,8 @@ attempt:
       antenna_height_m: 1.5
       lever_arm_m: {forward: 0.5, right: 0.1, down: -1.2}
       rotation_bound_deg: 4
+      receipt: {file: receipt.json, time_stamp: receipt.json.tsr}
+      galileo_keys: [{number: 3, pem: a key}]
       device_deduction: {speed: 0.1, unit: kn}
       instrument: {make: a maker, model: a logger, serial: "17", firmware: "1.2", antenna: a patch}
       calibration: {certificate: a number, laboratory: a laboratory, date: "2026-09-01", expanded_uncertainty: 0.05, unit: km/h, of: speed}

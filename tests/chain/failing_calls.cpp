@@ -29,8 +29,9 @@ FaultState* state = nullptr;
 
 /// Whether this call of that kind is one to fail.
 bool fails(char kind) {
-    if (state == nullptr || state->kind != kind) return false;
-    const long number = ++state->calls;
+    if (state == nullptr) return false;
+    const long number = ++state->calls[static_cast<std::size_t>(kind)];
+    if (state->kind != kind) return false;
     const bool hit = state->from_then_on ? number >= state->at : number == state->at;
     return state->at > 0 && hit;
 }

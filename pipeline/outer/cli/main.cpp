@@ -97,6 +97,9 @@ int main(int argc, char** argv) {
         add_sign(app, chosen);
         add_attest(app, chosen);
         add_timestamp(app, chosen);
+        add_receive(app, chosen);
+        add_log(app, chosen);
+        add_roster(app, chosen);
         add_inspect(app, chosen);
         add_companion(audit_program);
         add_diff(app, chosen);

@@ -31,7 +31,7 @@ install(FILES README.md REFERENCES.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(FILES cmake/package/copyright DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(DIRECTORY examples DESTINATION ${CMAKE_INSTALL_DOCDIR})
 foreach(page reports/METHOD.md stages/import/README.md stages/check/profiles/README.md
-    pipeline/outer/days/README.md pipeline/trust/README.md pipeline/trust/ATTESTING.md pipeline/trust/CHECKING.md
+    pipeline/outer/days/README.md pipeline/trust/README.md pipeline/trust/ATTESTING.md pipeline/trust/CHECKING.md pipeline/trust/KEEPING.md
     reports/WORDS.md schemas/README.md)
   get_filename_component(folder ${page} DIRECTORY)
   install(FILES ${page} DESTINATION ${CMAKE_INSTALL_DOCDIR}/${folder})

@@ -27,7 +27,6 @@ attempt:
       antenna_height_m: 1.5
       lever_arm_m: {forward: 0.5, right: 0.1, down: -1.2}
       rotation_bound_deg: 4
-      receipt: {file: receipt.json, time_stamp: receipt.json.tsr}
       galileo_keys: [{number: 3, pem: a key}]
       device_deduction: {speed: 0.1, unit: kn}
       instrument: {make: a maker, model: a logger, serial: "17", firmware: "1.2", antenna: a patch}
@@ -235,6 +234,8 @@ inline constexpr const char* receiver_changes = R"yaml(
 - {key: "receivers[].calibration.date", set: {/attempt/receivers/0/calibration/date: "2026-09-02"}}
 - {key: "receivers[].calibration.unit", set: {/attempt/receivers/0/calibration/unit: kn}, redoes: window}
 - {key: "receivers[].calibration.of", set: {/attempt/receivers/0/calibration/of: time, /attempt/receivers/0/calibration/unit: s}, redoes: window}
+- {key: "receivers[].receipt.file", set: {/attempt/receivers/0/receipt: {file: receipt.json}}, redoes: import}
+- {key: "receivers[].receipt.time_stamp", set: {/attempt/receivers/0/receipt: {file: receipt.json, time_stamp: receipt.json.tsr}}, redoes: import}
 - {key: "receivers[].time_source", set: {/attempt/receivers/0/time_source: satellites}, redoes: import}
 )yaml";
 

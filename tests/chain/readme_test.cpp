@@ -147,8 +147,8 @@ TEST_F(Readme, TheLandYachtGoesFromCertifyToRecordBeaten) {
     EXPECT_EQ(step, pages.size());
     // The first page of the finished certificate is whole: who answered, who signed, how to check.
     const std::string first = shell("pdftotext -l 1 RUN/report.pdf -").output;
-    for (const char* words : {"Record beaten", "✓ judge", "✓ board", "Closed by board",
-                              "Signed as", "SHA-256 of report.json"})
+    for (const char* words : {"Record beaten", "✓ judge", "✓ board", "Closed by board", "Signed as",
+                              "SHA-256 of report.json"})
         EXPECT_NE(first.find(words), std::string::npos) << words << "\n" << first;
     EXPECT_NE(last_said_.find("Signature Verified Successfully"), std::string::npos) << last_said_;
     // Without the officials' keys nothing gets there: none, their public halves, those of others.
@@ -164,8 +164,9 @@ TEST_F(Readme, TheLandYachtGoesFromCertifyToRecordBeaten) {
 
 TEST_F(Readme, CommandsOfEveryPageWork) {
     must("ln -s " RUNCERT_PROGRAMS "/runcert runcert && ln -s " + examples.string() + " examples");
-    for (const char* page : {"README.md", "examples/README.md", "stages/check/profiles/README.md",
-                             "pipeline/outer/days/README.md", "schemas/README.md"}) {
+    for (const char* page :
+         {"README.md", "examples/README.md", "stages/check/profiles/README.md",
+          "pipeline/outer/days/README.md", "pipeline/trust/KEEPING.md", "schemas/README.md"}) {
         const std::vector<std::string> commands = commands_of(page);
         EXPECT_FALSE(commands.empty()) << page;
         for (const std::string& command : commands) {
@@ -184,10 +185,10 @@ TEST(ReadmePage, IsOneScreenAndItsLinksLeadSomewhere) {
     static const std::regex link("\\]\\(([^)#]+)\\)");
     for (const char* page :
          {"README.md", "examples/README.md", "stages/check/profiles/README.md",
-          "pipeline/outer/days/README.md", "pipeline/trust/README.md", "pipeline/trust/ATTESTING.md",
-          "pipeline/trust/CHECKING.md", "reports/WORDS.md", "examples/PREPARING.md",
-          "CONTRIBUTING.md", "schemas/README.md", "reports/METHOD.md", "stages/README.md",
-          "tests/README.md"}) {
+          "pipeline/outer/days/README.md", "pipeline/trust/README.md",
+          "pipeline/trust/ATTESTING.md", "pipeline/trust/CHECKING.md", "pipeline/trust/KEEPING.md",
+          "reports/WORDS.md", "examples/PREPARING.md", "CONTRIBUTING.md", "schemas/README.md",
+          "reports/METHOD.md", "stages/README.md", "tests/README.md"}) {
         const std::string text = read_file(source / page);
         for (std::sregex_iterator at(text.begin(), text.end(), link), end; at != end; ++at)
             EXPECT_TRUE(fs::exists((source / page).parent_path() / (*at)[1].str()))

@@ -91,28 +91,12 @@ void remember_failure(const fs::path& run_dir, const FileHashes& claim,
 
 namespace {
 
-/// The SHA-256 of a program, remembered as long as the system says that it was not written since:
-/// its time of change nobody can set.
-std::string remembered_hash(const fs::path& file) {
-    struct stat facts {};
-    if (stat(file.c_str(), &facts) != 0) return digest_file(file).sha256;
-    const std::string of = "program " + file.string();
-    const std::string as_it_is =
-        fmt::format("{} {} {} {}.{} ", facts.st_dev, facts.st_ino, facts.st_size,
-                    facts.st_ctim.tv_sec, facts.st_ctim.tv_nsec);
-    const std::string known = recalled(of);
-    if (known.starts_with(as_it_is)) return known.substr(as_it_is.size());
-    const std::string sha256 = digest_file(file).sha256;
-    remember(of, as_it_is + sha256);
-    return sha256;
-}
-
 /// Of the file of that path or, where it holds no slash, of the first of that name in the folders
 /// of the system; "none" where there is none.
 std::string program_hash(const std::string& program) {
     const fs::path file =
         program.find('/') == std::string::npos ? external_program_file(program) : fs::path(program);
-    if (fs::is_regular_file(file) && access(file.c_str(), X_OK) == 0) return remembered_hash(file);
+    if (fs::is_regular_file(file) && access(file.c_str(), X_OK) == 0) return remembered_sha256(file);
     return not_installed;
 }
 

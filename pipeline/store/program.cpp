@@ -9,6 +9,7 @@
 
 #include "store/process.h"
 #include "store/sha256.h"
+#include "store/user_state.h"
 
 namespace runcert {
 namespace {
@@ -32,7 +33,7 @@ std::vector<ProgramFile> program_files() {
     for (const auto& entry : std::filesystem::directory_iterator(program_folder()))
         if (const std::string name = entry.path().filename().string();
             (name == "runcert" || name.starts_with("runcert-")) && entry.is_regular_file())
-            programs.push_back({name, digest_file(entry.path()).sha256});
+            programs.push_back({name, remembered_sha256(entry.path())});
     std::ranges::sort(programs, {}, &ProgramFile::name);
     return programs;
 }

@@ -149,4 +149,18 @@ bool is_own_name(std::string_view name) {
     return dash >= begin.size() && name.substr(dash + 1) == proof_of(name.substr(0, dash));
 }
 
+std::string remembered_sha256(const fs::path& file) {
+    struct stat facts {};
+    if (stat(file.c_str(), &facts) != 0) return digest_file(file).sha256;
+    const std::string of = "program " + file.string();
+    const std::string as_it_is =
+        fmt::format("{} {} {} {}.{} ", facts.st_dev, facts.st_ino, facts.st_size,
+                    facts.st_ctim.tv_sec, facts.st_ctim.tv_nsec);
+    const std::string known = recalled(of);
+    if (known.starts_with(as_it_is)) return known.substr(as_it_is.size());
+    const std::string sha256 = digest_file(file).sha256;
+    remember(of, as_it_is + sha256);
+    return sha256;
+}
+
 }  // namespace runcert

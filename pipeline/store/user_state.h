@@ -37,4 +37,8 @@ std::string own_name();
 /// Whether a program of this user gave that name, whatever its ending (".tmp").
 bool is_own_name(std::string_view name);
 
+/// The SHA-256 of a program's file, remembered as long as the system says that it was not written
+/// since: its time of change nobody can set. Failure where it cannot be read.
+std::string remembered_sha256(const std::filesystem::path& file);
+
 }  // namespace runcert

@@ -105,6 +105,7 @@ int main(int argc, char** argv) {
         add_diff(app, chosen);
         add_companion(explain_program);
         add_companion(compare_program);
+        add_plan(app, chosen);
         add_simulate(app, chosen);
         add_surface(app, chosen);
         add_keygen(app, chosen);

@@ -7,6 +7,7 @@ namespace runcert {
 void add_new(CLI::App& app, Command& chosen);
 void add_batch(CLI::App& app, Command& chosen);
 void add_inspect(CLI::App& app, Command& chosen);
+void add_plan(CLI::App& app, Command& chosen);
 void add_simulate(CLI::App& app, Command& chosen);
 void add_surface(CLI::App& app, Command& chosen);
 void add_diff(CLI::App& app, Command& chosen);

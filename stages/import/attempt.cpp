@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "core/claimed_text.h"
+#include "stages/import/geoid.h"
 #include "stages/import/gpsbabel/gpsbabel.h"
 #include "stages/import/import.h"
 #include "stages/import/imu/imu.h"
@@ -227,6 +228,7 @@ void import_receiver(StageRun& run, const Receiver& receiver, const AttemptSourc
     one.use_parameters(reading_of(run.attempt().written(receiver.id)));
     const std::vector<RecordingBytes> recordings = open.of("recording");
     StreamedRecording observations = read_receiver(one, receiver, open, recordings);
+    raise_heights(observations, receiver);
     std::vector<RecordingBytes> files = recordings;
     for (const char* role : {"phase", "base", "navigation"})
         for (RecordingBytes& file : open.of(role))

@@ -234,6 +234,7 @@ inline constexpr const char* receiver_changes = R"yaml(
 - {key: "receivers[].calibration.date", set: {/attempt/receivers/0/calibration/date: "2026-09-02"}}
 - {key: "receivers[].calibration.unit", set: {/attempt/receivers/0/calibration/unit: kn}, redoes: window}
 - {key: "receivers[].calibration.of", set: {/attempt/receivers/0/calibration/of: time, /attempt/receivers/0/calibration/unit: s}, redoes: window}
+- {key: "receivers[].height_reference.geoid", set: {/attempt/receivers/0/height_reference: {geoid: egm96}}, redoes: import}
 - {key: "receivers[].receipt.file", set: {/attempt/receivers/0/receipt: {file: receipt.json}}, redoes: import}
 - {key: "receivers[].receipt.time_stamp", set: {/attempt/receivers/0/receipt: {file: receipt.json, time_stamp: receipt.json.tsr}}, redoes: import}
 - {key: "receivers[].time_source", set: {/attempt/receivers/0/time_source: satellites}, redoes: import}

@@ -52,7 +52,7 @@ SimulationSpec spec_of(const PlannedEquipment& equipment, const PlannedRun& run,
     return spec;
 }
 
-/// Positions on the Earth, and velocities where they are recorded.
+/// Geodetic coordinates, and velocities where they are recorded.
 std::string recording_text(const PlannedEquipment& equipment, const SimulationSpec& spec,
                            std::span<const SimulatedEpoch> epochs, const Geodetic& origin) {
     const LocalFrame frame(origin);

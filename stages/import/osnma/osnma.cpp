@@ -172,8 +172,8 @@ class Verification {
                       return one.second;
                   })->first;
         found_.test = header_ >> 6U == 1;
-        const auto& [id, beginning] = *beginnings.rbegin();
-        const std::size_t blocks = *beginning / 16U + 6;
+        const auto id = beginnings.rbegin()->first;
+        const std::size_t blocks = *beginnings.rbegin()->second / 16U + 6;
         message_.resize(block_bytes * blocks);
         is_known_.resize(message_.size());
         for (const bool stated : {true, false})

@@ -286,6 +286,7 @@ int attest(AttestOptions options) {
                        options.signs() || !options.take.empty()
                            ? !options.no_render
                            : options.render && options.roster.empty());
+    require_in_force(options.roster);
     if (!options.take.empty()) return take(options);
     if (options.signs()) return sign_answers(options);
     if (options.render) return render_pages(options.run_dir, options.roster, "nothing is lost");

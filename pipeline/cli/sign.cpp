@@ -36,6 +36,7 @@ int sign_run(const SignOptions& options) {
     const ReportFacts report = read_report_facts(run_dir);
     require_role(options.role, "--role");
     require_own_roster(options.roster, run_dir, !options.no_render);
+    require_in_force(options.roster);
     require_signable(run_dir, report, bring_back);
     require_passed(run_dir, verify_report_text(run_dir, report), bring_back);
     if (!options.no_recompute)

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 
@@ -88,10 +89,22 @@ std::string write_attestation(const fs::path& run_dir, const Attestation& attest
     std::vector<EvidenceFile> named = attestation.evidence;
     if (attestation.on_paper) named.push_back(*attestation.on_paper);
     const Folder folder = Folder(run_dir).make(attestations_folder);
-    for (std::size_t i = 0; i < named.size(); ++i)
-        folder.write(evidence_name(named[i]), evidence.at(i));
     const std::string name = envelope_name(attestation_id(payload));
-    folder.write(name, sign_envelope(payload, key));
+    std::vector<std::string> fresh;
+    try {
+        for (std::size_t i = 0; i < named.size(); ++i) {
+            if (folder.kind_of(evidence_name(named[i])) == EntryKind::none)
+                fresh.push_back(evidence_name(named[i]));
+            folder.write(evidence_name(named[i]), evidence.at(i));
+        }
+        folder.write(name, sign_envelope(payload, key));
+    } catch (const std::exception&) {
+        // Evidence that no envelope names would stand in the way of the next answer.
+        if (folder.kind_of(name) == EntryKind::none)
+            for (const std::string& each : fresh)
+                ::unlinkat(folder.number(), each.c_str(), 0);
+        throw;
+    }
     return in_folder(name);
 }
 

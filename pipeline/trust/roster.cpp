@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <chrono>
 #include <utility>
 
 #include "core/failure.h"
@@ -300,6 +301,13 @@ void require_in_force(const Roster& roster, UtcSecond at, const std::string& whe
                       fmt::format("the roster was in force until {}, and it is {}",
                                   iso_text(*roster.valid_until), iso_text(at)),
                       "Ask the body for its present roster");
+}
+
+void require_in_force(const std::string& file) {
+    if (const auto roster = read_roster(file))
+        require_in_force(
+            *roster, std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now()),
+            file);
 }
 
 std::optional<Roster> read_roster(const std::string& file) {

@@ -84,6 +84,8 @@ std::optional<Roster> read_roster(const std::string& file);
 
 /// Failure where the roster is no longer in force at that time.
 void require_in_force(const Roster& roster, UtcSecond at, const std::string& where);
+/// The same of the roster of a file, by the computer's clock; nothing where no file is named.
+void require_in_force(const std::string& file);
 
 /// A roster of one public key that may sign at any time in the roles (a pattern, "*" for every
 /// one): the text of a file in minisign's or in OpenSSH's form. `who` names it. Failure where the

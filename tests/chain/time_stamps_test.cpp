@@ -277,5 +277,36 @@ TEST_F(TimeStamps, OfAnUnsignedRunCannotBeMade) {
     EXPECT_NE(result.errors.find("not signed"), std::string::npos) << result.errors;
 }
 
+TEST_F(TimeStamps, OfAReceiptShowWhenItsRecordingWasThere) {
+    const fs::path folder = attempt().parent_path();
+    const std::string receipt = (folder / "receipt.json").string();
+    ASSERT_EQ(runcert({"receive", (folder / "recording.pos").string(), "--key", key("judge"),
+                       "--role", "judge", "--out", receipt})
+                  .exit_status,
+              0);
+    ASSERT_EQ(runcert({"timestamp", receipt}).exit_status, 0);
+    fs::copy_file(receipt + ".tsq", run() / "receipt.json.tsq");
+    const std::string answer = reply("ca", "receipt.json");
+    make_authority("other");
+    EXPECT_EQ(runcert({"timestamp", receipt, "--reply", answer, "--ca", path("other.pem").string()})
+                  .exit_status,
+              2);
+    ASSERT_EQ(runcert({"timestamp", receipt, "--reply", answer, "--ca", ca()}).exit_status, 0);
+    std::string text = read_file(attempt());
+    const std::string format = "    format: rtklib-pos";
+    text.insert(text.find(format),
+                "    receipt: {file: receipt.json, time_stamp: receipt.json.tsr}\n");
+    write_file_atomically(attempt(), text);
+    fs::remove_all(run());
+    certify(attempt(), run(), {"--no-render", "--key", key("measurer")});
+    const std::vector<std::string> unchecked{"--roster", roster()};
+    std::vector<std::string> checked = unchecked;
+    checked.insert(checked.end(), {"--tsa-ca", ca()});
+    EXPECT_TRUE(says(layer(verify_json(checked), "receipts"), "; time-stamped 20"));
+    EXPECT_TRUE(says(layer(verify_json(unchecked), "receipts"), "is checked with --tsa-ca"));
+    checked.back() = path("other.pem").string();
+    EXPECT_EQ(layer(verify_json(checked), "receipts")["passed"], false);
+}
+
 }  // namespace
 }  // namespace runcert::chain::RUNCERT_FILE
